@@ -1,0 +1,133 @@
+//! Shapes and the tree over them, in the scene's local units (half-extent about 1).
+//!
+//! **The rule at edges and vertices.** A triangle is tested in the ray's own sheared frame, where
+//! each shared vertex gets the same two numbers in every triangle that has it; the side of an edge
+//! is then decided exactly. A ray through an edge or vertex hits all triangles that share it, so no
+//! ray slips between them; of hits at the same distance the lowest primitive index wins.
+
+mod bvh;
+mod cylinder;
+mod offset;
+mod sphere;
+mod traverse;
+mod triangle;
+
+pub use bvh::Bvh;
+pub use cylinder::Cylinder;
+pub use offset::{Origin, offset_origin};
+pub use sphere::Sphere;
+pub use traverse::Ray;
+
+use crate::math::V3;
+use std::ops::Range;
+
+/// All shapes of a scene. Primitives are numbered triangles first, then spheres, then cylinders.
+#[derive(Debug, Default)]
+pub struct Geometry {
+    /// Vertex positions.
+    pub positions: Vec<V3>,
+    /// Unit shading normal of each vertex; zero where the face's is to be used.
+    pub normals: Vec<V3>,
+    /// Three vertices a triangle.
+    pub triangles: Vec<[u32; 3]>,
+    /// Exact spheres.
+    pub spheres: Vec<Sphere>,
+    /// Exact capped cylinders.
+    pub cylinders: Vec<Cylinder>,
+    /// One material a primitive.
+    pub material_of: Vec<u32>,
+}
+
+/// Consecutive primitives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PrimitiveRange {
+    /// Index of the first one.
+    pub first: u32,
+    /// How many.
+    pub count: u32,
+}
+
+impl PrimitiveRange {
+    /// The range of these triangles.
+    pub fn triangles(range: Range<usize>) -> PrimitiveRange {
+        PrimitiveRange { first: range.start as u32, count: range.len() as u32 }
+    }
+    /// True for a primitive inside.
+    pub fn contains(&self, primitive: u32) -> bool {
+        primitive.wrapping_sub(self.first) < self.count
+    }
+}
+
+/// Which kind of shape a primitive is, with its index among that kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Index into [`Geometry::triangles`].
+    Triangle(usize),
+    /// Index into [`Geometry::spheres`].
+    Sphere(usize),
+    /// Index into [`Geometry::cylinders`].
+    Cylinder(usize),
+}
+
+/// Where a ray met a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Distance in units of the ray's direction.
+    pub t: f32,
+    /// The primitive.
+    pub primitive: u32,
+    /// Barycentric weights of a triangle's second and third vertex; 0 for other shapes.
+    pub b: [f32; 2],
+}
+
+/// A point on a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    /// The point, rebuilt from the shape rather than from the ray.
+    pub p: V3,
+    /// Unit geometric normal, either side.
+    pub ng: V3,
+    /// Unit shading normal, either side.
+    pub ns: V3,
+    /// Bound on the error of `p`, in each component.
+    pub error: V3,
+}
+
+impl Geometry {
+    /// Number of primitives.
+    pub fn len(&self) -> usize {
+        self.triangles.len() + self.spheres.len() + self.cylinders.len()
+    }
+    /// True without any primitive.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+    /// Which shape a primitive index names; it must be below [`Geometry::len`].
+    #[inline]
+    pub fn kind(&self, primitive: u32) -> Kind {
+        let i = primitive as usize;
+        let spheres = self.triangles.len();
+        let cylinders = spheres + self.spheres.len();
+        if i < spheres {
+            Kind::Triangle(i)
+        } else if i < cylinders {
+            Kind::Sphere(i - spheres)
+        } else {
+            Kind::Cylinder(i - cylinders)
+        }
+    }
+    /// The corners of a triangle.
+    #[inline]
+    pub fn corners(&self, triangle: usize) -> [V3; 3] {
+        self.triangles[triangle].map(|i| self.positions[i as usize])
+    }
+    /// The surface at a hit of `ray`.
+    #[inline]
+    pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        match self.kind(hit.primitive) {
+            Kind::Triangle(i) => triangle::surface(self, i, hit.b),
+            Kind::Sphere(i) => self.spheres[i].surface(ray.at(hit.t)),
+            Kind::Cylinder(i) => self.cylinders[i].surface(ray.at(hit.t)),
+        }
+    }
+}

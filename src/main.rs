@@ -1,0 +1,2 @@
+//! burnish
+fn main() {}

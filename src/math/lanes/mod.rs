@@ -1,0 +1,201 @@
+//! Lanes: the number type that every formula of this crate is written over.
+//!
+//! A formula takes `L: Lane` and never branches on a value; it selects. So the same source serves
+//! one ray (`f32`, [`Lane::WIDTH`] 1) and eight at a time ([`F32x8`] or its AVX2 twin).
+//! Control flow that differs between scalar and wide code lives with its callers.
+//!
+//! This is the one module that may use `unsafe`: the instruction-set shells below it.
+
+mod portable;
+mod scalar;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+pub use portable::F32x8;
+pub use scalar::U32;
+
+use std::fmt::Debug;
+use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
+
+/// A bundle of `WIDTH` independent `f32` values.
+///
+/// Arithmetic is IEEE single precision per lane, rounding to nearest, without contraction, so that
+/// one lane of a wide bundle gives the bits of the scalar code. [`Lane::mul_add`] is the exception
+/// and says so.
+pub trait Lane:
+    Copy
+    + Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// How many values one bundle holds.
+    const WIDTH: usize;
+    /// The result of a comparison, one truth value per lane.
+    type Mask: Mask;
+    /// The same number of `u32` values.
+    type Bits: Bits;
+
+    /// The same value in every lane.
+    fn splat(x: f32) -> Self;
+    /// The smaller of each pair; the second where either is NaN.
+    fn min(self, other: Self) -> Self;
+    /// The larger of each pair; the second where either is NaN.
+    fn max(self, other: Self) -> Self;
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// Square root, correctly rounded.
+    fn sqrt(self) -> Self;
+    /// `self * b + c`, fused where the instruction set has it for free, otherwise rounded twice.
+    /// For polynomials only: code that needs one of the two roundings must not use it.
+    fn mul_add(self, b: Self, c: Self) -> Self;
+    /// `self < other`
+    fn lt(self, other: Self) -> Self::Mask;
+    /// `self <= other`
+    fn le(self, other: Self) -> Self::Mask;
+    /// `self == other`
+    fn equal(self, other: Self) -> Self::Mask;
+    /// `self > other`
+    #[inline(always)]
+    fn gt(self, other: Self) -> Self::Mask {
+        other.lt(self)
+    }
+    /// `self >= other`
+    #[inline(always)]
+    fn ge(self, other: Self) -> Self::Mask {
+        other.le(self)
+    }
+    /// `a` where the mask is set, else `b`. Both are evaluated; a NaN in the other has no effect.
+    fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
+    /// The IEEE bits.
+    fn to_bits(self) -> Self::Bits;
+    /// The value with these IEEE bits.
+    fn from_bits(bits: Self::Bits) -> Self;
+    /// Each `u32`, which must be below 2^24, as the same number.
+    fn from_small(bits: Self::Bits) -> Self;
+
+    /// `a` where the mask is set, else 0.
+    #[inline(always)]
+    fn or_zero(self, mask: Self::Mask) -> Self {
+        Self::select(mask, self, Self::splat(0.0))
+    }
+    /// The square.
+    #[inline(always)]
+    fn sqr(self) -> Self {
+        self * self
+    }
+    /// This magnitude with the sign of `sign`, zeros included.
+    #[inline(always)]
+    fn copysign(self, sign: Self) -> Self {
+        let top = Self::Bits::splat(0x8000_0000);
+        let rest = Self::Bits::splat(0x7fff_ffff);
+        Self::from_bits((self.to_bits() & rest) | (sign.to_bits() & top))
+    }
+}
+
+/// One truth value per lane.
+pub trait Mask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+    /// True in any lane.
+    fn any(self) -> bool {
+        self.bits() != 0
+    }
+    /// True in every lane.
+    fn all(self) -> bool;
+    /// Lane `i` as bit `i`.
+    fn bits(self) -> u32;
+}
+
+/// A bundle of `u32` values with wrapping arithmetic.
+pub trait Bits:
+    Copy
+    + Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + BitAnd<Output = Self>
+    + BitOr<Output = Self>
+    + BitXor<Output = Self>
+    + Shl<u32, Output = Self>
+    + Shr<u32, Output = Self>
+{
+    /// The same value in every lane.
+    fn splat(x: u32) -> Self;
+    /// Bit 31 becomes bit 0, and so on.
+    #[inline(always)]
+    fn reverse_bits(self) -> Self {
+        let swap = |x: Self, mask: u32, by: u32| {
+            let m = Self::splat(mask);
+            ((x >> by) & m) | ((x & m) << by)
+        };
+        let x = swap(self, 0x5555_5555, 1);
+        let x = swap(x, 0x3333_3333, 2);
+        let x = swap(x, 0x0f0f_0f0f, 4);
+        let x = swap(x, 0x00ff_00ff, 8);
+        (x >> 16) | (x << 16)
+    }
+}
+
+/// A lane type of eight values that can be read from memory: what the traversal works on.
+pub trait Wide: Lane {
+    /// The eight numbers in order.
+    fn load(x: &[f32; 8]) -> Self;
+    /// The eight numbers in order.
+    fn store(self) -> [f32; 8];
+}
+
+/// An instruction set the wide code can run on. All give the same bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Isa {
+    /// Plain Rust, compiled for the target's baseline.
+    Portable,
+    /// AVX2 with FMA.
+    Avx2,
+}
+
+impl Isa {
+    /// The best one this machine has; asked once per tree build, not per ray.
+    pub fn detect() -> Isa {
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+            return Isa::Avx2;
+        }
+        Isa::Portable
+    }
+
+    /// Every set that this machine can run, the portable one first.
+    pub fn available() -> Vec<Isa> {
+        match Isa::detect() {
+            Isa::Portable => vec![Isa::Portable],
+            best => vec![Isa::Portable, best],
+        }
+    }
+
+    /// Lower-case name as `--stats` writes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Isa::Portable => "portable",
+            Isa::Avx2 => "avx2",
+        }
+    }
+}
+
+/// A piece of work written over a wide lane type, to be run on an instruction set chosen at run
+/// time. `run` must be `#[inline(always)]`, and so must all it calls, to be compiled for that set.
+pub trait Kernel {
+    /// What the work returns.
+    type Output;
+    /// Does the work on one instruction set.
+    fn run<W: Wide>(self) -> Self::Output;
+}
+
+/// Runs a kernel on `isa`, or on the portable one where the machine lacks it.
+#[inline(always)]
+pub fn dispatch<K: Kernel>(isa: Isa, kernel: K) -> K::Output {
+    match isa {
+        #[cfg(target_arch = "x86_64")]
+        Isa::Avx2 => x86::run_avx2(kernel),
+        _ => kernel.run::<F32x8>(),
+    }
+}

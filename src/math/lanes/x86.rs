@@ -1,0 +1,208 @@
+//! Eight values in an AVX2 register.
+//!
+//! Soundness: an [`Avx2`] value can only be made by code that runs under [`run_avx2`], which asks
+//! the machine first; the type is private to the crate's lanes and reaches callers only as the
+//! `W` of a [`Kernel`]. Each intrinsic call below leans on that.
+#![allow(unsafe_code)]
+
+use super::{Bits, Isa, Kernel, Lane, Mask, Wide};
+use std::arch::x86_64::*;
+use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
+
+/// Runs a kernel compiled for AVX2 and FMA; portable code where the machine lacks them.
+#[inline(always)]
+pub(super) fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
+    #[target_feature(enable = "avx2,fma")]
+    fn featured<K: Kernel>(kernel: K) -> K::Output {
+        kernel.run::<Avx2>()
+    }
+    // Cached by std after the first call: one load and one branch.
+    if Isa::detect() == Isa::Avx2 {
+        // SAFETY: the machine was just found to have avx2 and fma.
+        unsafe { featured(kernel) }
+    } else {
+        kernel.run::<super::F32x8>()
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+pub struct Avx2(__m256);
+#[derive(Clone, Copy, Debug)]
+pub struct Avx2Bits(__m256i);
+/// All ones or all zeros in each lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Avx2Mask(__m256);
+
+macro_rules! binary {
+    ($type:ident: $($op:ident $method:ident $intrinsic:ident;)*) => {$(
+        impl $op for $type {
+            type Output = $type;
+            #[inline(always)]
+            fn $method(self, other: $type) -> $type {
+                // SAFETY: a value of this type exists only under AVX2 (module docs).
+                $type(unsafe { $intrinsic(self.0, other.0) })
+            }
+        }
+    )*};
+}
+binary! { Avx2:
+    Add add _mm256_add_ps;
+    Sub sub _mm256_sub_ps;
+    Mul mul _mm256_mul_ps;
+    Div div _mm256_div_ps;
+}
+binary! { Avx2Bits:
+    Add add _mm256_add_epi32;
+    Sub sub _mm256_sub_epi32;
+    Mul mul _mm256_mullo_epi32;
+    BitAnd bitand _mm256_and_si256;
+    BitOr bitor _mm256_or_si256;
+    BitXor bitxor _mm256_xor_si256;
+}
+binary! { Avx2Mask:
+    BitAnd bitand _mm256_and_ps;
+    BitOr bitor _mm256_or_ps;
+}
+
+impl Neg for Avx2 {
+    type Output = Avx2;
+    #[inline(always)]
+    fn neg(self) -> Avx2 {
+        // SAFETY: a value of this type exists only under AVX2 (module docs).
+        Avx2(unsafe { _mm256_xor_ps(self.0, _mm256_set1_ps(-0.0)) })
+    }
+}
+impl Shl<u32> for Avx2Bits {
+    type Output = Avx2Bits;
+    #[inline(always)]
+    fn shl(self, by: u32) -> Avx2Bits {
+        // SAFETY: a value of this type exists only under AVX2 (module docs).
+        Avx2Bits(unsafe { _mm256_sll_epi32(self.0, _mm_cvtsi32_si128(by as i32)) })
+    }
+}
+impl Shr<u32> for Avx2Bits {
+    type Output = Avx2Bits;
+    #[inline(always)]
+    fn shr(self, by: u32) -> Avx2Bits {
+        // SAFETY: a value of this type exists only under AVX2 (module docs).
+        Avx2Bits(unsafe { _mm256_srl_epi32(self.0, _mm_cvtsi32_si128(by as i32)) })
+    }
+}
+impl Bits for Avx2Bits {
+    #[inline(always)]
+    fn splat(x: u32) -> Avx2Bits {
+        // SAFETY: reached only as the lane type of a kernel under `run_avx2`.
+        Avx2Bits(unsafe { _mm256_set1_epi32(x as i32) })
+    }
+}
+impl Not for Avx2Mask {
+    type Output = Avx2Mask;
+    #[inline(always)]
+    fn not(self) -> Avx2Mask {
+        // SAFETY: a value of this type exists only under AVX2 (module docs).
+        unsafe {
+            let ones = _mm256_castsi256_ps(_mm256_set1_epi32(-1));
+            Avx2Mask(_mm256_xor_ps(self.0, ones))
+        }
+    }
+}
+impl Mask for Avx2Mask {
+    #[inline(always)]
+    fn all(self) -> bool {
+        self.bits() == 0xff
+    }
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        // SAFETY: a value of this type exists only under AVX2 (module docs).
+        unsafe { _mm256_movemask_ps(self.0) as u32 }
+    }
+}
+
+macro_rules! compare {
+    ($($method:ident $predicate:ident;)*) => {$(
+        #[inline(always)]
+        fn $method(self, other: Avx2) -> Avx2Mask {
+            // SAFETY: a value of this type exists only under AVX2 (module docs).
+            Avx2Mask(unsafe { _mm256_cmp_ps::<$predicate>(self.0, other.0) })
+        }
+    )*};
+}
+
+impl Lane for Avx2 {
+    const WIDTH: usize = 8;
+    type Mask = Avx2Mask;
+    type Bits = Avx2Bits;
+
+    #[inline(always)]
+    fn splat(x: f32) -> Avx2 {
+        // SAFETY: reached only as the lane type of a kernel under `run_avx2`.
+        Avx2(unsafe { _mm256_set1_ps(x) })
+    }
+    #[inline(always)]
+    fn min(self, other: Avx2) -> Avx2 {
+        // SAFETY: a value of this type exists only under AVX2 (module docs).
+        Avx2(unsafe { _mm256_min_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn max(self, other: Avx2) -> Avx2 {
+        // SAFETY: a value of this type exists only under AVX2 (module docs).
+        Avx2(unsafe { _mm256_max_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn abs(self) -> Avx2 {
+        // SAFETY: a value of this type exists only under AVX2 (module docs).
+        Avx2(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Avx2 {
+        // SAFETY: a value of this type exists only under AVX2 (module docs).
+        Avx2(unsafe { _mm256_sqrt_ps(self.0) })
+    }
+    // Not fused, so that this set gives the bits of the portable one.
+    #[inline(always)]
+    fn mul_add(self, b: Avx2, c: Avx2) -> Avx2 {
+        self * b + c
+    }
+    compare! {
+        lt _CMP_LT_OQ;
+        le _CMP_LE_OQ;
+        equal _CMP_EQ_OQ;
+    }
+    #[inline(always)]
+    fn select(mask: Avx2Mask, a: Avx2, b: Avx2) -> Avx2 {
+        // SAFETY: a value of this type exists only under AVX2 (module docs).
+        Avx2(unsafe { _mm256_blendv_ps(b.0, a.0, mask.0) })
+    }
+    #[inline(always)]
+    fn to_bits(self) -> Avx2Bits {
+        // SAFETY: a value of this type exists only under AVX2 (module docs).
+        Avx2Bits(unsafe { _mm256_castps_si256(self.0) })
+    }
+    #[inline(always)]
+    fn from_bits(bits: Avx2Bits) -> Avx2 {
+        // SAFETY: a value of this type exists only under AVX2 (module docs).
+        Avx2(unsafe { _mm256_castsi256_ps(bits.0) })
+    }
+    #[inline(always)]
+    fn from_small(bits: Avx2Bits) -> Avx2 {
+        // SAFETY: a value of this type exists only under AVX2 (module docs).
+        Avx2(unsafe { _mm256_cvtepi32_ps(bits.0) })
+    }
+}
+
+impl Wide for Avx2 {
+    #[inline(always)]
+    fn load(x: &[f32; 8]) -> Avx2 {
+        // SAFETY: the reference is to eight readable floats; the load needs no alignment; reached
+        // only under `run_avx2`.
+        Avx2(unsafe { _mm256_loadu_ps(x.as_ptr()) })
+    }
+    #[inline(always)]
+    fn store(self) -> [f32; 8] {
+        let mut x = [0.0; 8];
+        // SAFETY: the array holds eight floats; the store needs no alignment; a value of this type
+        // exists only under AVX2 (module docs).
+        unsafe { _mm256_storeu_ps(x.as_mut_ptr(), self.0) };
+        x
+    }
+}

@@ -1,0 +1,14 @@
+//! Leaf maths: written once over a [lane type](lanes::Lane), of which `f32` is the first.
+//!
+//! Nothing here knows of scenes, BRDFs or threads; everything is a pure function of its arguments.
+
+pub mod frame;
+pub mod lanes;
+pub mod sequence;
+pub mod special;
+pub mod vec;
+pub mod warp;
+
+pub use frame::Frame;
+pub use lanes::{Lane, Mask};
+pub use vec::{Rgb, V3};

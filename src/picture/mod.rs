@@ -1,0 +1,19 @@
+//! Pictures: the tone curve, files in and out.
+
+/// Radiance of every pixel, linear Rec. 709, rows from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// `width * height` pixels, row by row.
+    pub pixels: Vec<[f32; 3]>,
+}
+
+impl Picture {
+    /// All zeros.
+    pub fn black(width: u32, height: u32) -> Picture {
+        Picture { width, height, pixels: vec![[0.0; 3]; width as usize * height as usize] }
+    }
+}

@@ -1,0 +1,120 @@
+//! Everything that a picture depends on.
+
+use crate::brdf::{Model, Roughness};
+use crate::scene::{Camera, Material, Scene};
+use std::sync::Arc;
+use thiserror::Error;
+
+/// Everything that the pixels depend on: two renders of equal `Params` and passes have the same
+/// bits, on any number of threads. A change of any field starts a new epoch.
+#[derive(Clone, Debug)]
+pub struct Params {
+    /// Shapes, lights and the tree; shared, never copied.
+    pub scene: Arc<Scene>,
+    /// The scene's materials, possibly edited: the same number in the same order.
+    pub materials: Arc<Vec<Material>>,
+    /// Where from.
+    pub camera: Camera,
+    /// Width and height in pixels, each in 1..=[`Params::MAX_SIDE`].
+    pub size: [u32; 2],
+    /// Which D and G.
+    pub model: Model,
+    /// Picks one of 2^64 independent pictures.
+    pub seed: u64,
+    /// At most this many scattering events (at least 1) between camera and light; `None` for no
+    /// limit but Russian roulette and a counted safety cap.
+    pub max_depth: Option<u32>,
+}
+
+/// Parameters that cannot be rendered.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum ParamsError {
+    /// A side of no pixels or too many.
+    #[error("the picture must be from 1x1 to {max}x{max} pixels, not {0}x{1}", max = Params::MAX_SIDE)]
+    Size(u32, u32),
+    /// The sums would not fit into memory that could be had.
+    #[error("a picture of {width}x{height} pixels needs {gib:.1} GiB, which could not be had")]
+    Memory {
+        /// Width in pixels.
+        width: u32,
+        /// Height in pixels.
+        height: u32,
+        /// What the sums and the picture would take.
+        gib: f64,
+    },
+    /// Another number of materials than the scene has.
+    #[error("the scene has {expected} materials, not {found}")]
+    Materials {
+        /// Materials in the scene.
+        expected: usize,
+        /// Materials given.
+        found: usize,
+    },
+    /// `max_depth` of 0.
+    #[error("the depth limit must be at least 1 scattering event")]
+    Depth,
+    /// The worker threads could not be started.
+    #[error("could not start {threads} worker threads: {reason}")]
+    Threads {
+        /// How many were asked for.
+        threads: usize,
+        /// What the system said.
+        reason: String,
+    },
+}
+
+impl Params {
+    /// Largest width and height.
+    pub const MAX_SIDE: u32 = 32_768;
+
+    /// The scene as it is: its camera, its size, its materials, GGX, seed 0, no depth limit.
+    pub fn new(scene: Arc<Scene>) -> Params {
+        Params {
+            materials: Arc::new(scene.materials().to_vec()),
+            camera: scene.camera(),
+            size: scene.screen(),
+            model: Model::Ggx,
+            seed: 0,
+            max_depth: None,
+            scene,
+        }
+    }
+
+    /// The same with every material this rough.
+    pub fn with_roughness(mut self, roughness: Roughness) -> Params {
+        for material in Arc::make_mut(&mut self.materials) {
+            material.roughness = roughness;
+        }
+        self
+    }
+
+    /// Whether these can be rendered.
+    pub fn check(&self) -> Result<(), ParamsError> {
+        let [w, h] = self.size;
+        let side = 1..=Self::MAX_SIDE;
+        if !side.contains(&w) || !side.contains(&h) {
+            return Err(ParamsError::Size(w, h));
+        }
+        let (expected, found) = (self.scene.materials().len(), self.materials.len());
+        if expected != found {
+            return Err(ParamsError::Materials { expected, found });
+        }
+        if self.max_depth == Some(0) {
+            return Err(ParamsError::Depth);
+        }
+        Ok(())
+    }
+}
+
+impl PartialEq for Params {
+    /// Equal parameters give equal pixels. Scenes are compared by identity.
+    fn eq(&self, o: &Params) -> bool {
+        Arc::ptr_eq(&self.scene, &o.scene)
+            && self.materials == o.materials
+            && self.camera == o.camera
+            && self.size == o.size
+            && self.model == o.model
+            && self.seed == o.seed
+            && self.max_depth == o.max_depth
+    }
+}

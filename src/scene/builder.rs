@@ -1,0 +1,423 @@
+//! From what a reader found, in world units and f64, to a validated [`Scene`] in f32.
+
+use super::{Camera, Light, Material, MaterialId, Placement, Scene, SceneCounts};
+use crate::geometry::{Bvh, Cylinder, Geometry, PrimitiveRange, Sphere};
+use crate::math::V3;
+use glam::{DAffine3, DVec3};
+use std::ops::Range;
+use thiserror::Error;
+
+/// A triangle mesh as a file holds it: model space, not yet placed.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// Vertex positions.
+    pub positions: Vec<DVec3>,
+    /// One normal a vertex, of any length, or empty: then smooth ones are made, each face weighted
+    /// by its angle at the vertex. A zero or non-finite one falls back to the face's.
+    pub normals: Vec<DVec3>,
+    /// Three indices into `positions` a triangle. Indices out of range drop the triangle.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// What became of a mesh's triangles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MeshCounts {
+    /// Triangles that are now part of the scene.
+    pub kept: usize,
+    /// Dropped: no area once placed (points, lines, repeated vertices).
+    pub degenerate: usize,
+    /// Dropped: a vertex is not finite, or beyond 1e18.
+    pub out_of_range: usize,
+    /// Dropped: an index points at no vertex.
+    pub bad_index: usize,
+    /// Vertices whose given normal was zero or not finite; the face's is used.
+    pub bad_normals: usize,
+}
+
+/// A shape that encloses nothing, or lies out of reach.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum ShapeError {
+    /// Zero, negative or undefined radius.
+    #[error("the radius must be above 0 and at most 1e18, not {0}")]
+    Radius(f64),
+    /// An axis of no length.
+    #[error("the axis must have a length above 0 and at most 1e18, not {0}")]
+    Axis(f64),
+    /// A coordinate that is not finite or too large.
+    #[error("coordinates must be finite and at most 1e18 in size, not {0} {1} {2}")]
+    Coordinate(f64, f64, f64),
+    /// A box with two or three sides of length zero.
+    #[error("a box needs at least two sides of a length other than 0")]
+    Flat,
+    /// More triangles than 32-bit indices can name.
+    #[error("more than {0} triangles are not supported")]
+    TooMany(usize),
+}
+
+/// Largest coordinate accepted, in world units.
+pub const MAX_COORDINATE: f64 = 1e18;
+const MAX_TRIANGLES: usize = 1 << 30;
+
+/// Collects shapes in world space; [`SceneBuilder::build`] makes the scene of them.
+///
+/// ```
+/// use burnish::scene::{Material, SceneBuilder};
+/// use glam::DVec3;
+///
+/// let mut builder = SceneBuilder::new("one ball");
+/// let red = builder.material(Material::reflecting("red", [0.8, 0.1, 0.1], [0.04; 3], 200.0)?);
+/// builder.sphere(DVec3::ZERO, 1.0, red)?;
+/// builder.environment = [1.0; 3];
+/// let scene = builder.build();
+/// assert_eq!(scene.counts().spheres, 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct SceneBuilder {
+    /// Shown in the window's title and status line.
+    pub name: String,
+    /// Width and height in pixels that the file asks for.
+    pub screen: [u32; 2],
+    /// The file's camera; `None` frames the whole scene.
+    pub camera: Option<Camera>,
+    /// Uniform radiance of every direction that hits nothing.
+    pub environment: [f32; 3],
+    materials: Vec<Material>,
+    positions: Vec<DVec3>,
+    normals: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    /// Runs of triangles that came in by one call: one light each, where the material emits.
+    groups: Vec<(Range<usize>, MaterialId)>,
+    spheres: Vec<(DVec3, f64, MaterialId)>,
+    cylinders: Vec<(DVec3, DVec3, f64, MaterialId)>,
+}
+
+impl SceneBuilder {
+    /// An empty scene of 640 by 480 pixels.
+    pub fn new(name: impl Into<String>) -> SceneBuilder {
+        SceneBuilder {
+            name: name.into(),
+            screen: [640, 480],
+            camera: None,
+            environment: [0.0; 3],
+            materials: Vec::new(),
+            positions: Vec::new(),
+            normals: Vec::new(),
+            triangles: Vec::new(),
+            groups: Vec::new(),
+            spheres: Vec::new(),
+            cylinders: Vec::new(),
+        }
+    }
+
+    /// Adds a material; shapes refer to it by the number returned.
+    pub fn material(&mut self, material: Material) -> MaterialId {
+        self.materials.push(material);
+        self.materials.len() as MaterialId - 1
+    }
+
+    /// The materials so far.
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    /// Triangles, spheres and cylinders so far.
+    pub fn shapes(&self) -> usize {
+        self.triangles.len() + self.spheres.len() + self.cylinders.len()
+    }
+
+    /// True when something emits: a shape's material or the environment.
+    pub fn is_lit(&self) -> bool {
+        let emits = |m: &MaterialId| self.materials[*m as usize].emits();
+        self.environment.iter().any(|&c| c > 0.0)
+            || self.groups.iter().any(|(_, m)| emits(m))
+            || self.spheres.iter().any(|(_, _, m)| emits(m))
+            || self.cylinders.iter().any(|(_, _, _, m)| emits(m))
+    }
+
+    /// A sphere, exact.
+    pub fn sphere(
+        &mut self,
+        centre: DVec3,
+        radius: f64,
+        material: MaterialId,
+    ) -> Result<(), ShapeError> {
+        self.spheres.push((in_reach(centre)?, positive(radius)?, material));
+        Ok(())
+    }
+
+    /// A cylinder with flat caps, exact: from `base` along `axis`, whose length is the height.
+    pub fn cylinder(
+        &mut self,
+        base: DVec3,
+        axis: DVec3,
+        radius: f64,
+        material: MaterialId,
+    ) -> Result<(), ShapeError> {
+        let axis = in_reach(axis)?;
+        if axis.length() < 1e-18 {
+            return Err(ShapeError::Axis(axis.length()));
+        }
+        self.cylinders.push((in_reach(base)?, axis, positive(radius)?, material));
+        Ok(())
+    }
+
+    /// An axis-aligned box: corner and diagonal, whose components may be negative.
+    pub fn cuboid(
+        &mut self,
+        corner: DVec3,
+        diagonal: DVec3,
+        material: MaterialId,
+    ) -> Result<(), ShapeError> {
+        let (a, d) = (in_reach(corner)?, in_reach(diagonal)?);
+        if d.to_array().iter().filter(|x| **x != 0.0).count() < 2 {
+            return Err(ShapeError::Flat);
+        }
+        let mut mesh = Mesh::default();
+        // Two faces across each axis; own vertices a face, so that the faces stay flat.
+        for axis in 0..3 {
+            let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+            for side in 0..2 {
+                let first = mesh.positions.len() as u32;
+                for (s, t) in [(0, 0), (1, 0), (1, 1), (0, 1)] {
+                    let mut p = a;
+                    p[axis] += side as f64 * d[axis];
+                    p[u] += s as f64 * d[u];
+                    p[v] += t as f64 * d[v];
+                    mesh.positions.push(p);
+                }
+                mesh.triangles.push([first, first + 1, first + 2]);
+                mesh.triangles.push([first, first + 2, first + 3]);
+            }
+        }
+        self.mesh(&mesh, DAffine3::IDENTITY, material).map(|_| ())
+    }
+
+    /// Places a mesh and gives it one material. Where that emits, the mesh is one light.
+    pub fn mesh(
+        &mut self,
+        mesh: &Mesh,
+        placement: DAffine3,
+        material: MaterialId,
+    ) -> Result<MeshCounts, ShapeError> {
+        if self.triangles.len() + mesh.triangles.len() > MAX_TRIANGLES
+            || self.positions.len() + mesh.positions.len() > MAX_TRIANGLES
+        {
+            return Err(ShapeError::TooMany(MAX_TRIANGLES));
+        }
+        let placed: Vec<DVec3> =
+            mesh.positions.iter().map(|&p| placement.transform_point3(p)).collect();
+        let mut counts = MeshCounts::default();
+        let mut kept = Vec::with_capacity(mesh.triangles.len());
+        for &t in &mesh.triangles {
+            let Some(corners) = corners(&placed, t) else {
+                counts.bad_index += 1;
+                continue;
+            };
+            if corners.iter().any(|&p| in_reach(p).is_err()) {
+                counts.out_of_range += 1;
+            } else if face_normal(corners).is_none() {
+                counts.degenerate += 1;
+            } else {
+                kept.push(t);
+            }
+        }
+        counts.kept = kept.len();
+        let normals = if mesh.normals.len() == mesh.positions.len() {
+            let (normals, bad) = placed_normals(mesh, placement);
+            counts.bad_normals = bad;
+            normals
+        } else {
+            smooth_normals(&placed, &kept)
+        };
+        let first = self.positions.len() as u32;
+        let start = self.triangles.len();
+        self.positions.extend(placed);
+        self.normals.extend(normals);
+        self.triangles.extend(kept.iter().map(|t| t.map(|i| i + first)));
+        self.groups.push((start..self.triangles.len(), material));
+        Ok(counts)
+    }
+
+    /// Recentres and rescales all shapes to about unit size, turns them into f32 and builds the
+    /// tree over them.
+    pub fn build(mut self) -> Scene {
+        let duplicates = self.drop_duplicates();
+        let (low, high) = self.bounds();
+        let placement = Placement::fitting(low, high);
+        let local = |p: DVec3| V3::from(placement.to_local(p).as_vec3().to_array());
+        let scaled = |x: f64| (x * placement.scale()) as f32;
+
+        let mut material_of = vec![0; self.triangles.len()];
+        for (range, material) in &self.groups {
+            material_of[range.clone()].fill(*material);
+        }
+        material_of.extend(self.spheres.iter().map(|s| s.2));
+        material_of.extend(self.cylinders.iter().map(|c| c.3));
+        let geometry = Geometry {
+            positions: self.positions.iter().map(|&p| local(p)).collect(),
+            normals: self.normals.iter().map(|&n| V3::from(n)).collect(),
+            triangles: self.triangles,
+            spheres: self
+                .spheres
+                .iter()
+                .map(|&(c, r, _)| Sphere { centre: local(c), radius: scaled(r) })
+                .collect(),
+            cylinders: self
+                .cylinders
+                .iter()
+                .map(|&(base, axis, r, _)| {
+                    let height = axis.length();
+                    let axis = V3::from((axis / height).as_vec3().to_array());
+                    Cylinder::new(local(base), axis, scaled(height), scaled(r))
+                })
+                .collect(),
+            material_of,
+        };
+        let mut lights = Vec::new();
+        for (range, material) in self.groups {
+            if !range.is_empty() {
+                lights.push(Light { shape: PrimitiveRange::triangles(range), material });
+            }
+        }
+        let first_sphere = geometry.triangles.len();
+        for i in first_sphere..geometry.len() {
+            lights.push(Light {
+                shape: PrimitiveRange { first: i as u32, count: 1 },
+                material: geometry.material_of[i],
+            });
+        }
+        let counts = SceneCounts {
+            triangles: geometry.triangles.len(),
+            spheres: geometry.spheres.len(),
+            cylinders: geometry.cylinders.len(),
+            duplicates,
+        };
+        let aspect = self.screen[0] as f64 / self.screen[1].max(1) as f64;
+        Scene {
+            name: self.name,
+            screen: self.screen,
+            camera: self.camera.unwrap_or_else(|| Camera::framing(low, high, aspect)),
+            environment: self.environment,
+            materials: self.materials,
+            bvh: Bvh::build(&geometry),
+            geometry,
+            surfaces: lights,
+            placement,
+            bounds: [low, high],
+            counts,
+        }
+    }
+
+    fn bounds(&self) -> (DVec3, DVec3) {
+        let mut low = DVec3::INFINITY;
+        let mut high = DVec3::NEG_INFINITY;
+        let mut grow = |a: DVec3, b: DVec3| {
+            low = low.min(a);
+            high = high.max(b);
+        };
+        for &i in self.triangles.iter().flatten() {
+            let p = self.positions[i as usize];
+            grow(p, p);
+        }
+        for &(c, r, _) in &self.spheres {
+            grow(c - r, c + r);
+        }
+        for &(base, axis, r, _) in &self.cylinders {
+            // Half-extent of a disc of this radius, perpendicular to the axis.
+            let unit = axis.normalize();
+            let e = (DVec3::ONE - unit * unit).max(DVec3::ZERO).map(f64::sqrt) * r;
+            grow(base.min(base + axis) - e, base.max(base + axis) + e);
+        }
+        if low.x <= high.x { (low, high) } else { (DVec3::NEG_ONE, DVec3::ONE) }
+    }
+
+    /// Removes triangles on the same three points as an earlier one: by the tie rule of the
+    /// traversal they could never be hit, and thousands of them make trees deep.
+    fn drop_duplicates(&mut self) -> usize {
+        let key = |t: &[u32; 3]| {
+            let mut p = t.map(|i| self.positions[i as usize].to_array().map(f64::to_bits));
+            p.sort_unstable();
+            p
+        };
+        let hash = |t: &[u32; 3]| {
+            key(t).iter().flatten().fold(0u64, |h, &x| {
+                (h ^ x).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
+            })
+        };
+        let mut order: Vec<(u64, u32)> =
+            self.triangles.iter().enumerate().map(|(i, t)| (hash(t), i as u32)).collect();
+        order.sort_unstable();
+        let mut drop = vec![false; self.triangles.len()];
+        for run in order.chunk_by(|a, b| a.0 == b.0).filter(|run| run.len() > 1) {
+            let mut seen = std::collections::HashSet::new();
+            for &(_, i) in run {
+                drop[i as usize] = !seen.insert(key(&self.triangles[i as usize]));
+            }
+        }
+        let dropped = drop.iter().filter(|&&d| d).count();
+        if dropped > 0 {
+            let mut kept_before = 0;
+            for (range, _) in &mut self.groups {
+                let kept = range.clone().filter(|&i| !drop[i]).count();
+                *range = kept_before..kept_before + kept;
+                kept_before += kept;
+            }
+            let mut flags = drop.iter();
+            self.triangles.retain(|_| !flags.next().copied().unwrap_or(false));
+        }
+        dropped
+    }
+}
+
+fn in_reach(p: DVec3) -> Result<DVec3, ShapeError> {
+    // Written so that NaN fails.
+    if p.abs().to_array().iter().all(|&x| x <= MAX_COORDINATE) {
+        Ok(p)
+    } else {
+        Err(ShapeError::Coordinate(p.x, p.y, p.z))
+    }
+}
+
+fn positive(radius: f64) -> Result<f64, ShapeError> {
+    if radius > 0.0 && radius <= MAX_COORDINATE { Ok(radius) } else { Err(ShapeError::Radius(radius)) }
+}
+
+fn corners(positions: &[DVec3], t: [u32; 3]) -> Option<[DVec3; 3]> {
+    let get = |i: u32| positions.get(i as usize).copied();
+    Some([get(t[0])?, get(t[1])?, get(t[2])?])
+}
+
+/// Unit normal; `None` for a triangle without area at the precision of its coordinates.
+fn face_normal([a, b, c]: [DVec3; 3]) -> Option<DVec3> {
+    let (e, f) = (b - a, c - a);
+    let n = e.cross(f);
+    let size = e.length().max(f.length());
+    if n.length() > 1e-14 * size * size { n.try_normalize() } else { None }
+}
+
+fn placed_normals(mesh: &Mesh, placement: DAffine3) -> (Vec<[f32; 3]>, usize) {
+    let inverse_transpose = placement.matrix3.inverse().transpose();
+    let mut bad = 0;
+    let normals = mesh.normals.iter().map(|&n| match (inverse_transpose * n).try_normalize() {
+        Some(n) => n.as_vec3().to_array(),
+        None => {
+            bad += 1;
+            [0.0; 3]
+        }
+    });
+    (normals.collect(), bad)
+}
+
+fn smooth_normals(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<[f32; 3]> {
+    let mut sums = vec![DVec3::ZERO; positions.len()];
+    for &t in triangles {
+        let p = t.map(|i| positions[i as usize]);
+        let Some(n) = face_normal(p) else { continue };
+        for k in 0..3 {
+            let (e, f) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
+            sums[t[k] as usize] += n * e.angle_between(f);
+        }
+    }
+    sums.iter().map(|s| s.try_normalize().unwrap_or(DVec3::ZERO).as_vec3().to_array()).collect()
+}

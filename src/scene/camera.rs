@@ -1,0 +1,77 @@
+//! The pinhole camera of the `.scn` format.
+
+use glam::{DMat3, DQuat, DVec3};
+use thiserror::Error;
+
+/// Where the picture is taken from. World units; right-handed, Z up.
+///
+/// The ray of picture coordinates (sx, sy) in -1..=1, sy upwards, has the direction
+/// `normalize(sx rx X + sy ry Y - Z)` where X Y Z are the axes rotated by `orientation` and
+/// `rx = ry * width / height`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// The eye.
+    pub eye: DVec3,
+    /// Tangent of half the vertical field of view.
+    pub ry: f64,
+    /// Takes camera space (looking along -Z, Y up) to world space. Unit length.
+    pub orientation: DQuat,
+}
+
+/// A camera that takes no picture.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum CameraError {
+    /// The field of view is not between 0 and 180 degrees.
+    #[error("ry, the tangent of half the vertical field of view, must be from 1e-6 to 1e4, not {0}")]
+    FieldOfView(f64),
+    /// The eye is not a point within reach.
+    #[error("the eye must be three finite numbers of at most 1e18 in size, not {0} {1} {2}")]
+    Eye(f64, f64, f64),
+}
+
+impl Camera {
+    /// Checks and normalises.
+    pub fn new(eye: DVec3, ry: f64, orientation: DQuat) -> Result<Camera, CameraError> {
+        if !(1e-6..=1e4).contains(&ry) {
+            return Err(CameraError::FieldOfView(ry));
+        }
+        if !(eye.abs().max_element() <= 1e18) {
+            return Err(CameraError::Eye(eye.x, eye.y, eye.z));
+        }
+        Ok(Camera { eye, ry, orientation: orientation.normalize() })
+    }
+
+    /// From `eye` towards `target`, Z up where that is possible.
+    pub fn look_at(eye: DVec3, target: DVec3, ry: f64) -> Result<Camera, CameraError> {
+        let back = (eye - target).try_normalize().unwrap_or(DVec3::Y);
+        let right = DVec3::Z.cross(back).try_normalize().unwrap_or(DVec3::X);
+        let axes = DMat3::from_cols(right, back.cross(right), back);
+        Camera::new(eye, ry, DQuat::from_mat3(&axes))
+    }
+
+    /// Sees the whole box `[low, high]` from a three-quarter view, with a small margin.
+    pub fn framing(low: DVec3, high: DVec3, aspect: f64) -> Camera {
+        let ry: f64 = 0.35;
+        let centre = (low + high) * 0.5;
+        let radius = ((high - low).length() * 0.5).max(1e-12 * (1.0 + centre.length()));
+        let narrow = ry * aspect.min(1.0);
+        let distance = 1.02 * radius * (1.0 + narrow * narrow).sqrt() / narrow;
+        let towards = DVec3::new(0.55, -1.0, 0.45).normalize();
+        Camera::look_at(centre + towards * distance, centre, ry).unwrap_or(Camera {
+            eye: DVec3::ZERO,
+            ry,
+            orientation: DQuat::IDENTITY,
+        })
+    }
+
+    /// The unit axes X (right), Y (up) and Z (backwards) in world space.
+    pub fn axes(&self) -> [DVec3; 3] {
+        [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| self.orientation * axis)
+    }
+
+    /// The `camera` line of a `.scn` file, which reads back to this camera.
+    pub fn scn_line(&self) -> String {
+        let (e, q) = (self.eye, self.orientation);
+        format!("camera {} {} {} {} q {} {} {} {}", e.x, e.y, e.z, self.ry, q.w, q.x, q.y, q.z)
+    }
+}

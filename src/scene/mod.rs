@@ -1,0 +1,133 @@
+//! What is rendered: a validated, read-only scene.
+//!
+//! A [`SceneBuilder`] collects shapes in world units and f64. Building recentres them to their
+//! bounding box and rescales them to about unit size before anything becomes f32, so that
+//! precision does not depend on where or how large a scene is. Radiance does not change under
+//! that map; [`Placement`] converts points for those who ask.
+
+mod builder;
+mod camera;
+mod material;
+pub mod read;
+mod report;
+
+pub use builder::{MAX_COORDINATE, Mesh, MeshCounts, SceneBuilder, ShapeError};
+pub use camera::{Camera, CameraError};
+pub use material::{Material, MaterialError, MaterialId};
+pub use report::{Place, Report, Warning};
+
+use crate::geometry::{Bvh, Geometry, PrimitiveRange};
+use glam::DVec3;
+
+/// A scene as the tracer sees it: every index in range, every number finite.
+#[derive(Debug)]
+pub struct Scene {
+    name: String,
+    screen: [u32; 2],
+    camera: Camera,
+    environment: [f32; 3],
+    materials: Vec<Material>,
+    geometry: Geometry,
+    bvh: Bvh,
+    surfaces: Vec<Light>,
+    placement: Placement,
+    bounds: [DVec3; 2],
+    counts: SceneCounts,
+}
+
+/// Primitives that came in as one shape; a light when its material emits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Light {
+    /// Which primitives.
+    pub shape: PrimitiveRange,
+    /// Whose emission.
+    pub material: MaterialId,
+}
+
+/// How much a scene holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SceneCounts {
+    /// Triangles, boxes included (twelve each).
+    pub triangles: usize,
+    /// Exact spheres.
+    pub spheres: usize,
+    /// Exact capped cylinders.
+    pub cylinders: usize,
+    /// Triangles left out because an earlier one has the same three corners.
+    pub duplicates: usize,
+}
+
+impl Scene {
+    /// Name of the file or built-in scene.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+    /// Width and height in pixels that the file asks for.
+    pub fn screen(&self) -> [u32; 2] {
+        self.screen
+    }
+    /// The file's camera, or one that frames the scene.
+    pub fn camera(&self) -> Camera {
+        self.camera
+    }
+    /// Uniform radiance of every direction that hits nothing.
+    pub fn environment(&self) -> [f32; 3] {
+        self.environment
+    }
+    /// The materials as read.
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+    /// The shapes in local units.
+    pub fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+    /// The tree over the shapes.
+    pub fn bvh(&self) -> &Bvh {
+        &self.bvh
+    }
+    /// Every shape that would be a light of its own if its material emitted.
+    pub fn surfaces(&self) -> &[Light] {
+        &self.surfaces
+    }
+    /// From world units to the units of [`Scene::geometry`].
+    pub fn placement(&self) -> Placement {
+        self.placement
+    }
+    /// Lowest and highest corner in world units.
+    pub fn bounds(&self) -> [DVec3; 2] {
+        self.bounds
+    }
+    /// How much it holds.
+    pub fn counts(&self) -> SceneCounts {
+        self.counts
+    }
+}
+
+/// The map from world units to the tracer's: `(p - centre) * scale`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    centre: DVec3,
+    scale: f64,
+}
+
+impl Placement {
+    /// Takes the box `[low, high]` to one centred at the origin with half-extent about 1. The
+    /// scale is a power of two, so that a scene and its double give the same bits.
+    pub fn fitting(low: DVec3, high: DVec3) -> Placement {
+        let half = ((high - low) * 0.5).max_element().max(f64::MIN_POSITIVE);
+        Placement { centre: (low + high) * 0.5, scale: (-half.log2().ceil()).exp2() }
+    }
+    /// World to local.
+    pub fn to_local(&self, p: DVec3) -> DVec3 {
+        (p - self.centre) * self.scale
+    }
+    /// Local to world.
+    pub fn to_world(&self, p: DVec3) -> DVec3 {
+        p / self.scale + self.centre
+    }
+    /// Local units in one world unit.
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+}
