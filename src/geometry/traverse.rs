@@ -93,19 +93,29 @@ impl<W: Wide> Slabs<W> {
         slabs
     }
 
+    /// Distances to a row of planes.
+    #[inline(always)]
+    fn planes(&self, row: &[f32; 8], origin: W, axis: usize) -> W {
+        (W::load(row) - origin) * self.inverse[axis]
+    }
+
+    #[inline(always)]
+    fn near(&self, node: &Node, axis: usize) -> W {
+        self.planes(&node.bounds[self.near[axis]], self.near_origin[axis], axis)
+    }
+
+    #[inline(always)]
+    fn far(&self, node: &Node, axis: usize) -> W {
+        self.planes(&node.bounds[self.near[axis] ^ 1], self.far_origin[axis], axis)
+    }
+
     /// Entry distances, and lanes whose box is met before `t_max`.
     #[inline(always)]
     fn test(&self, node: &Node, t_max: f32) -> (W, u32) {
-        let near = |axis: usize| {
-            (W::load(&node.bounds[self.near[axis]]) - self.near_origin[axis]) * self.inverse[axis]
-        };
-        let far = |axis: usize| {
-            (W::load(&node.bounds[self.near[axis] ^ 1]) - self.far_origin[axis])
-                * self.inverse[axis]
-        };
-        let enter = near(0).max(near(1)).max(near(2)).max(W::splat(0.0));
-        let leave = far(0).min(far(1)).min(far(2)).min(W::splat(t_max));
-        (enter, enter.le(leave).bits())
+        let enter = self.near(node, 0).max(self.near(node, 1)).max(self.near(node, 2));
+        let leave = self.far(node, 0).min(self.far(node, 1)).min(self.far(node, 2));
+        let enter = enter.max(W::splat(0.0));
+        (enter, enter.le(leave.min(W::splat(t_max))).bits())
     }
 }
 
