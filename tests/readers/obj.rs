@@ -32,7 +32,7 @@ fn a_lamp_with_materials_and_lights() {
             "tests/data/lamp.obj:21: `l` is not supported and left out".to_owned(),
             format!("{mtl}:8: `map_Kd` is not supported and left out (2 lines)"),
             format!("{mtl}:12: transparency (`d`) is not supported and left out"),
-            format!("{mtl}:17: `illum` is not supported and left out"),
+            format!("{mtl}:17: `illum` other than 0, 1 and 2 is not supported and left out"),
         ]
     );
     assert!(report.notes.is_empty(), "{:?}", report.notes);

@@ -14,90 +14,79 @@ const QUIET: &str = "screen 4 3\ncamera 0 0 9 0.5\nlight 1 1 1\nsphere 0 0 5 1\n
 
 #[test]
 fn each_error_names_the_line_and_what_was_expected() {
-    let sphere = "is missing; expected `sphere cx cy cz r`";
     for (lines, expected) in [
-        ("\nsphere 0 0 0", format!("s.scn:2: sphere: r {sphere}")),
-        ("sphere", format!("s.scn:1: sphere: cx {sphere}")),
-        ("\r\n\r\nsphere 0 zero 0 1", "s.scn:3: sphere: expected a number for cy, not `zero`".into()),
-        ("sphere 0 0 0 nan", "s.scn:1: sphere: expected a number for r, not `nan`".into()),
-        (
-            "sphere 0 0 0 -1",
-            "s.scn:1: sphere: the radius must be above 0 and at most 1e18, not -1".into(),
-        ),
+        ("\nsphere 0 0 0", "2: sphere: r is missing; expected `sphere cx cy cz r`"),
+        ("sphere", "1: sphere: cx is missing; expected `sphere cx cy cz r`"),
+        ("\r\n\r\nsphere 0 zero 0 1", "3: sphere: expected a number for cy, not `zero`"),
+        ("sphere 0 0 0 nan", "1: sphere: expected a number for r, not `nan`"),
+        ("sphere 0 0 0 -1", "1: sphere: the radius must be above 0 and at most 1e18, not -1"),
         (
             "sphere 0 1e19 0 1",
-            "s.scn:1: sphere: coordinates must be finite and at most 1e18 in size, not 0 \
-             10000000000000000000 0"
-                .into(),
+            "1: sphere: coordinates must be finite and at most 1e18 in size, not 0 \
+             10000000000000000000 0",
         ),
-        ("box 0 0 0 1 0 -0.0", "s.scn:1: box: a box needs at least two sides of a length other than 0".into()),
+        ("box 0 0 0 1 0 -0.0", "1: box: a box needs at least two sides of a length other than 0"),
         (
             "cylinder 0 0 0 0 0 0 1",
-            "s.scn:1: cylinder: the axis must have a length above 0 and at most 1e18, not 0".into(),
+            "1: cylinder: the axis must have a length above 0 and at most 1e18, not 0",
         ),
         (
             "screen 640.5 480",
-            "s.scn:1: screen: width and height must be whole numbers from 1 to 16384, not 640.5 480"
-                .into(),
+            "1: screen: width and height must be whole numbers from 1 to 16384, not 640.5 480",
         ),
         (
             "screen 0 480",
-            "s.scn:1: screen: width and height must be whole numbers from 1 to 16384, not 0 480"
-                .into(),
+            "1: screen: width and height must be whole numbers from 1 to 16384, not 0 480",
         ),
-        ("camera 0 0 0", "s.scn:1: camera: ry is missing; expected `camera x y z ry ORIENT`".into()),
+        ("camera 0 0 0", "1: camera: ry is missing; expected `camera x y z ry ORIENT`"),
         (
             "camera 0 0 0 0",
-            "s.scn:1: camera: ry, the tangent of half the vertical field of view, must be from \
-             1e-6 to 1e4, not 0"
-                .into(),
+            "1: camera: ry, the tangent of half the vertical field of view, must be from \
+             1e-6 to 1e4, not 0",
         ),
-        ("camera 0 0 0 1 q 1 0 0", "s.scn:1: camera: z is missing; expected `camera x y z ry ORIENT`".into()),
-        ("camera 0 0 0 1 q 0 0 0 0", "s.scn:1: camera: w x y z must be finite and not all 0".into()),
-        ("camera 0 0 0 1 a 90 0 -0 0", "s.scn:1: camera: ax ay az must be finite and not all 0".into()),
-        ("camera 0 0 0 1 x up", "s.scn:1: camera: expected a number for deg, not `up`".into()),
-        ("camera 0 0 0 1 x 1e999", "s.scn:1: camera: the angle deg must be a finite number of degrees".into()),
+        ("camera 0 0 0 1 q 1 0 0", "1: camera: z is missing; expected `camera x y z ry ORIENT`"),
+        ("camera 0 0 0 1 q 0 0 0 0", "1: camera: w x y z must be finite and not all 0"),
+        ("camera 0 0 0 1 a 90 0 -0 0", "1: camera: ax ay az must be finite and not all 0"),
+        ("camera 0 0 0 1 x up", "1: camera: expected a number for deg, not `up`"),
+        ("camera 0 0 0 1 x 1e999", "1: camera: the angle deg must be a finite number of degrees"),
         (
             "brdf 0.5 0.5 0.5 0 0 0",
-            "s.scn:1: brdf: a_p is missing; expected `brdf Kd Kd Kd Ks Ks Ks a_p [Kt Kt Kt ior]`".into(),
+            "1: brdf: a_p is missing; expected `brdf Kd Kd Kd Ks Ks Ks a_p [Kt Kt Kt ior]`",
         ),
         (
             "brdf 0.5 0.5 0.5 0 0 0 10 0 0 0",
-            "s.scn:1: brdf: ior is missing; expected `brdf Kd Kd Kd Ks Ks Ks a_p [Kt Kt Kt ior]`".into(),
+            "1: brdf: ior is missing; expected `brdf Kd Kd Kd Ks Ks Ks a_p [Kt Kt Kt ior]`",
         ),
-        ("brdf 1.5 0 0 0 0 0 10", "s.scn:1: brdf: Kd must be three numbers from 0 to 1, not 1.5 0 0".into()),
-        ("brdf 0 0 0 0 -1 0 10", "s.scn:1: brdf: Ks must be three numbers from 0 to 1, not 0 -1 0".into()),
+        ("brdf 1.5 0 0 0 0 0 10", "1: brdf: Kd must be three numbers from 0 to 1, not 1.5 0 0"),
+        ("brdf 0 0 0 0 -1 0 10", "1: brdf: Ks must be three numbers from 0 to 1, not 0 -1 0"),
         (
             "brdf 0 0 0 0 0 0 1e9",
-            "s.scn:1: brdf: Phong exponent a_p must be from 0 to 199999998, not 1000000000".into(),
+            "1: brdf: Phong exponent a_p must be from 0 to 199999998, not 1000000000",
         ),
         (
             "light 1 -1 1",
-            "s.scn:1: light: emitted radiance must be three finite numbers of at least 0 (at most \
-             1e18), not 1 -1 1"
-                .into(),
+            "1: light: emitted radiance must be three finite numbers of at least 0 (at most \
+             1e18), not 1 -1 1",
         ),
         (
             "environment -1 0 0",
-            "s.scn:1: environment: emitted radiance must be three finite numbers of at least 0 \
-             (at most 1e18), not -1 0 0"
-                .into(),
+            "1: environment: emitted radiance must be three finite numbers of at least 0 \
+             (at most 1e18), not -1 0 0",
         ),
-        ("ambient 1 1", "s.scn:1: ambient: b is missing; expected `ambient r g b`".into()),
-        ("mesh", "s.scn:1: mesh: FILE is missing; expected `mesh FILE tx ty tz s ORIENT`".into()),
-        ("mesh a.ply 0 0 0 0", "s.scn:1: mesh: the scale s must be from 1e-18 to 1e18 in size, not 0".into()),
+        ("ambient 1 1", "1: ambient: b is missing; expected `ambient r g b`"),
+        ("mesh", "1: mesh: FILE is missing; expected `mesh FILE tx ty tz s ORIENT`"),
+        ("mesh a.ply 0 0 0 0", "1: mesh: the scale s must be from 1e-18 to 1e18 in size, not 0"),
         (
             "mesh a.ply 0 1e19 0 1",
-            "s.scn:1: mesh: coordinates must be finite and at most 1e18 in size, not 0 \
-             10000000000000000000 0"
-                .into(),
+            "1: mesh: coordinates must be finite and at most 1e18 in size, not 0 \
+             10000000000000000000 0",
         ),
-        ("mesh a.ply 0 0 0 1", "s.scn:1: mesh: cannot read the model a.ply: there is no such file".into()),
-        ("", "s.scn: the file is empty".into()),
-        ("# only\n\n# comments", "s.scn: no command found; expected lines such as `sphere cx cy cz r`".into()),
-        ("sphere 0 0 0 1\n\0", "s.scn:2: expected text in UTF-8, found a zero byte".into()),
+        ("mesh a.ply 0 0 0 1", "1: mesh: cannot read the model a.ply: there is no such file"),
+        ("", " the file is empty"),
+        ("# only\n\n# comments", " no command found; expected lines such as `sphere cx cy cz r`"),
+        ("sphere 0 0 0 1\n\0", "2: expected text in UTF-8, found a zero byte"),
     ] {
-        assert_eq!(message(scn(lines)), expected, "{lines:?}");
+        assert_eq!(message(scn(lines)), format!("s.scn:{expected}"), "{lines:?}");
     }
 }
 
@@ -279,11 +268,10 @@ fn triangles_that_cannot_be_used_are_counted() {
     let (_, report) = read::read_scn(scene.as_bytes(), "s.scn".as_ref(), &files).unwrap();
     assert_eq!(
         warnings(&report),
-        [
-            "s.scn:6: mesh t.obj: 2 of 3 triangles are left out: 1 without area, 1 with a vertex that \
+        ["s.scn:6: mesh t.obj: 2 of 3 triangles are left out: 1 without area, 1 with a vertex \
+             that \
           is not finite or beyond 1e18; the normal of 1 vertices is zero or not finite: that of \
-          the face is used"
-        ]
+          the face is used"]
     );
 }
 
