@@ -12,7 +12,7 @@ pub(super) const ROUNDING: f32 = f32::EPSILON * 0.5;
 
 /// The point moved off its surface to the side of `towards`. `error` bounds the point's error in
 /// each component and that of meeting the surface again; `ng` is unit.
-#[inline]
+#[inline(always)]
 pub fn offset_origin(p: V3, error: V3, ng: V3, towards: V3) -> V3 {
     let distance = ng.abs().dot(error);
     let offset = if ng.dot(towards) >= 0.0 { ng * distance } else { -(ng * distance) };

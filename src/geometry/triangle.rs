@@ -134,7 +134,7 @@ fn decide_edges<W: Wide>(
 }
 
 /// The surface at barycentric weights `b` of the second and third vertex.
-#[inline]
+#[inline(always)]
 pub(super) fn surface(geometry: &Geometry, triangle: usize, b: [f32; 2]) -> SurfacePoint {
     let indices = geometry.triangles[triangle];
     let [v0, v1, v2] = indices.map(|i| geometry.positions[i as usize]);
