@@ -251,6 +251,7 @@ impl Epoch {
             params.size,
             params.seed,
             params.max_depth,
+            params.strategy,
         );
         let mut shown = Vec::new();
         shown.resize_with(grid.len(), Shown::default);

@@ -26,24 +26,43 @@ pub(super) enum Target {
     Infinity,
     /// A known point.
     Point(SurfacePoint),
-    /// Where the direction meets this sphere: found only if the ray is traced at all.
+    /// Where the direction meets this sphere, if it does: found only if the ray is traced at all.
     Sphere(Sphere),
+    /// The same for a direction within the cone that the sphere fills, which meets it for certain.
+    SphereWithin(Sphere),
+}
+
+/// Where a shadow ray ends.
+pub(super) enum End {
+    /// Nowhere: the direction misses the light after all.
+    Missed,
+    /// Never.
+    Infinity,
+    /// On this surface, coming to the side of it that the vector points to.
+    At(SurfacePoint, V3),
 }
 
 impl Target {
-    /// The point on the light that a ray from `o` in the direction `wi` ends at.
+    /// The end of a ray from `o` in the direction `wi`.
     #[inline(always)]
-    pub(super) fn point(&self, o: V3, wi: V3) -> Option<SurfacePoint> {
-        match self {
-            Target::Infinity => None,
-            Target::Point(point) => Some(*point),
-            Target::Sphere(sphere) => {
-                // A direction on the rim may miss by a rounding: then the nearest point will do.
+    pub(super) fn end(&self, o: V3, wi: V3) -> End {
+        let (sphere, t) = match self {
+            Target::Infinity => return End::Infinity,
+            Target::Point(point) => return End::At(*point, -wi),
+            Target::Sphere(sphere) => match sphere.intersect(o, wi, f32::INFINITY) {
+                Some(t) => (sphere, t),
+                None => return End::Missed,
+            },
+            Target::SphereWithin(sphere) => {
+                // On the rim rounding may make it miss: then the nearest point will do.
                 let nearest = || (sphere.centre - o).dot(wi).max(0.0);
-                let t = sphere.intersect(o, wi, f32::INFINITY).unwrap_or_else(nearest);
-                Some(sphere.surface(o + wi * t))
+                (sphere, sphere.intersect(o, wi, f32::INFINITY).unwrap_or_else(nearest))
             }
-        }
+        };
+        let point = sphere.surface(o + wi * t);
+        // At the rim the direction itself does not tell inside from outside.
+        let outside = (o - sphere.centre).length2() > sphere.radius * sphere.radius;
+        End::At(point, if outside { point.ng } else { -point.ng })
     }
 }
 
@@ -248,14 +267,13 @@ impl Emitter {
 
 #[inline(always)]
 fn sample_sphere(sphere: Sphere, p: V3, u: [f32; 2]) -> (V3, f32, Target) {
-    let target = Target::Sphere(sphere);
     match cone(sphere, p) {
         Some(one_minus_cos) => {
             let frame = Frame::around((sphere.centre - p).normalize());
             let wi = frame.to_world(warp::cone(u, one_minus_cos));
-            (wi, warp::cone_pdf(one_minus_cos), target)
+            (wi, warp::cone_pdf(one_minus_cos), Target::SphereWithin(sphere))
         }
-        None => (warp::sphere(u), warp::cone_pdf(2.0), target),
+        None => (warp::sphere(u), warp::cone_pdf(2.0), Target::Sphere(sphere)),
     }
 }
 
@@ -264,14 +282,14 @@ fn sample_sphere(sphere: Sphere, p: V3, u: [f32; 2]) -> (V3, f32, Target) {
 fn cone(sphere: Sphere, p: V3) -> Option<f32> {
     let distance2 = (sphere.centre - p).length2();
     let distance = distance2.sqrt();
-    // cos² of the half angle, without the loss of 1 - sin² next to the surface.
-    let cos2 = (distance - sphere.radius) * (distance + sphere.radius) / distance2;
-    if cos2 > 0.0 && cos2 <= 1.0 {
-        let sin2 = sphere.radius * sphere.radius / distance2;
-        Some(sin2 / (1.0 + cos2.sqrt()))
-    } else {
-        None
+    if distance <= sphere.radius {
+        return None;
     }
+    // cos² of the half angle, without the loss of 1 - sin² next to the surface. A small or distant
+    // sphere's rounds to 1, or beyond.
+    let cos2 = (distance - sphere.radius) * (distance + sphere.radius) / distance2;
+    let sin2 = (sphere.radius * sphere.radius / distance2).min(1.0);
+    Some(sin2 / (1.0 + cos2.min(1.0).sqrt()))
 }
 
 #[inline(always)]

@@ -1,7 +1,7 @@
 //! The path tracer that one reads: one path at a time, plain control flow.
 
-use super::light::Target;
-use super::{DEPTH_CAP, Scratch, Tracer};
+use super::light::{End, Target};
+use super::{DEPTH_CAP, Scratch, Strategy, Tracer};
 use crate::brdf::Microfacet;
 use crate::geometry::{Ray, SurfacePoint, offset_origin};
 use crate::math::lanes::{Kernel, U32, Wide, dispatch};
@@ -17,6 +17,9 @@ const ROULETTE_MILDNESS: f32 = 2.5;
 /// From this event on even a bright path may end, so that none is endless.
 const ROULETTE_ALWAYS_FROM: u32 = 8;
 const ROULETTE_MOST: f32 = 0.95;
+
+/// Shadow rays end this close to 1: a distance along a ray is known to a few roundings of the whole.
+const SHADOW_END: f32 = 1.0 - 16.0 * f32::EPSILON;
 
 /// A surface met by a path, turned to the viewer.
 struct Vertex {
@@ -98,7 +101,7 @@ impl Tracer {
             );
             let Some(hit) = hit else {
                 let weight = from.as_ref().map_or(1.0, |(vertex, pdf)| {
-                    mis(*pdf, self.lights.environment_pdf(vertex.frame.n.dot(ray.d)))
+                    self.met(*pdf, self.lights.environment_pdf(vertex.frame.n.dot(ray.d)))
                 });
                 sum += beta * self.lights.environment() * weight;
                 return sum;
@@ -108,7 +111,7 @@ impl Tracer {
             if surface.emits {
                 let weight = from.as_ref().map_or(1.0, |(vertex, pdf)| {
                     let (p, d) = (vertex.point.p, ray.d);
-                    mis(*pdf, self.lights.pdf(geometry, p, d, hit.primitive, &point, hit.t))
+                    self.met(*pdf, self.lights.pdf(geometry, p, d, hit.primitive, &point, hit.t))
                 });
                 sum += beta * surface.emission * weight;
             }
@@ -130,7 +133,8 @@ impl Tracer {
                 && let Some(wi) = vertex.inwards(light.wi)
             {
                 let e = lobes.eval::<M>(vertex.wo, wi);
-                let found = light.radiance * e.f * (wi.z / light.pdf * mis(light.pdf, e.pdf));
+                let found =
+                    light.radiance * e.f * (wi.z / light.pdf * self.asked(light.pdf, e.pdf));
                 if !found.is_black() && self.sees::<W>(&vertex, light.wi, &light.target, scratch) {
                     sum += beta * found;
                 }
@@ -162,6 +166,28 @@ impl Tracer {
         sum
     }
 
+    /// Weight of a light met by a direction of density `pdf`, which asking would have found with
+    /// density `other`.
+    #[inline(always)]
+    fn met(&self, pdf: f32, other: f32) -> f32 {
+        match self.strategy {
+            Strategy::Mis => mis(pdf, other),
+            Strategy::LightOnly => 0.0,
+            Strategy::BsdfOnly => 1.0,
+        }
+    }
+
+    /// Weight of a light asked with density `pdf`, which sampling the BRDF would have met with
+    /// density `other`.
+    #[inline(always)]
+    fn asked(&self, pdf: f32, other: f32) -> f32 {
+        match self.strategy {
+            Strategy::Mis => mis(pdf, other),
+            Strategy::LightOnly => 1.0,
+            Strategy::BsdfOnly => 0.0,
+        }
+    }
+
     /// Whether nothing is between a vertex and a point on a light, or infinity.
     #[inline(always)]
     fn sees<W: Wide>(
@@ -172,10 +198,12 @@ impl Tracer {
         scratch: &mut Scratch,
     ) -> bool {
         let o = vertex.leave(wi);
-        // From just off one surface to just off the other: the whole segment counts.
-        let (d, t_max) = match target.point(o, wi) {
-            Some(q) => (offset_origin(q.p, q.error, q.ng, -wi) - o, 1.0),
-            None => (wi, f32::INFINITY),
+        // From just off one surface to just off the other, but for the rounding of t itself.
+        let (d, t_max) = match target.end(o, wi) {
+            End::Missed => return false,
+            End::Infinity => (wi, f32::INFINITY),
+            // From just off one surface to just off the other, but for the rounding of t itself.
+            End::At(q, side) => (offset_origin(q.p, q.error, q.ng, side) - o, SHADOW_END),
         };
         scratch.rays += 1;
         let geometry = self.scene.geometry();
