@@ -93,7 +93,8 @@ fn open_aside(path: &Path) -> Result<(PathBuf, NamedTempFile), SaveError> {
         Err(e) => Err(SaveError::Folder {
             path: path.to_path_buf(),
             folder: folder.to_path_buf(),
-            source: without_temporary_name(e),
+            // The kind alone: the full text names the temporary file, which tells the user nothing.
+            source: e.kind().into(),
         }),
     }
 }
@@ -107,10 +108,3 @@ fn make_public(builder: &mut tempfile::Builder) {
 
 #[cfg(not(unix))]
 fn make_public(_: &mut tempfile::Builder) {}
-
-/// What the system said alone: the random name beside it tells the user nothing.
-fn without_temporary_name(e: io::Error) -> io::Error {
-    let inner = e.get_ref().and_then(|wrapped| wrapped.source());
-    let code = inner.and_then(|e| e.downcast_ref::<io::Error>()).and_then(|e| e.raw_os_error());
-    code.map_or(e, io::Error::from_raw_os_error)
-}

@@ -117,8 +117,9 @@ impl Tone {
     pub fn map<T>(self, pixels: &[[f32; 3]], out: &mut [T], make: impl Fn([u8; 3]) -> T) {
         let (gain, table) = (self.gain(), self.curve.table());
         for (slot, &[r, g, b]) in out.iter_mut().zip(pixels) {
-            *slot = make(if r.is_nan() || g.is_nan() || b.is_nan() {
-                NAN_COLOUR
+            // One comparison catches every NaN, and now and then two opposite infinities.
+            *slot = make(if (r + g + b).is_nan() {
+                self.exact([r, g, b])
             } else {
                 [table.code(r * gain), table.code(g * gain), table.code(b * gain)]
             });
@@ -149,33 +150,35 @@ fn code(curve: Curve, exposed: f32) -> u8 {
 }
 
 /// Codes by look-up. A cell is 1/256 of an octave, narrower than any code is, so the code of its
-/// lower end is right or one short; comparing with the next threshold tells which.
-struct Table {
-    /// The code at each cell's lower end, from `LOWEST` up.
-    floor: [u8; CELLS],
-    /// Smallest exposed radiance of a code above this one; infinity for 255.
-    next: [f32; 256],
-}
+/// lower end is right or one short.
+///
+/// A cell holds that code times `STEP`, plus as much as makes the low bits of a float at or above
+/// the next threshold carry: one addition gives the code.
+struct Table([u32; CELLS]);
 
 /// Low mantissa bits that do not choose the cell.
 const SHIFT: u32 = 15;
+const STEP: u32 = 1 << SHIFT;
 /// 32 octaves of 256 cells.
 const CELLS: usize = 1 << 13;
 /// Bits of 2^-16, which every curve shows as 0; the last cell ends at 2^16, shown as 255.
 const LOWEST: u32 = (127 - 16) << 23;
-const HIGHEST: u32 = LOWEST + ((CELLS as u32) << SHIFT) - 1;
+const HIGHEST: u32 = LOWEST + CELLS as u32 * STEP - 1;
 
 impl Table {
     fn new(curve: Curve) -> Table {
-        let mut next = [f32::INFINITY; 256];
-        for (below, threshold) in next.iter_mut().enumerate().take(255) {
-            *threshold = first_above(curve, below as u8);
+        let mut cells = [0; CELLS];
+        let mut below = 0;
+        let mut next = first_above(curve, below);
+        for (cell, entry) in cells.iter_mut().enumerate() {
+            let start = LOWEST + cell as u32 * STEP;
+            while below < 255 && next <= start {
+                below += 1;
+                next = first_above(curve, below);
+            }
+            *entry = u32::from(below) * STEP + STEP.saturating_sub(next - start);
         }
-        let mut floor = [0; CELLS];
-        for (cell, slot) in floor.iter_mut().enumerate() {
-            *slot = code(curve, f32::from_bits(LOWEST + ((cell as u32) << SHIFT)));
-        }
-        Table { floor, next }
+        Table(cells)
     }
 
     #[inline(always)]
@@ -183,28 +186,29 @@ impl Table {
         let (low, high) = (f32::from_bits(LOWEST), f32::from_bits(HIGHEST));
         let x = if exposed > low { exposed } else { low };
         let x = if x < high { x } else { high };
-        let floor = self.floor[((x.to_bits() - LOWEST) >> SHIFT) as usize & (CELLS - 1)];
-        floor + u8::from(x >= self.next[usize::from(floor)])
+        let place = x.to_bits() - LOWEST;
+        let entry = self.0[(place / STEP) as usize & (CELLS - 1)];
+        ((entry + place % STEP) / STEP) as u8
     }
 }
 
-/// Smallest float whose code is above `below`, which is less than 255.
-fn first_above(curve: Curve, below: u8) -> f32 {
+/// Bits of the smallest float whose code is above `below`; beyond `HIGHEST` for 255.
+fn first_above(curve: Curve, below: u8) -> u32 {
     // The bits of floats of at least 0 are in the order of the floats.
-    let (mut dark, mut bright) = (0, HIGHEST);
+    let (mut dark, mut bright) = (0, HIGHEST + 1);
     while bright - dark > 1 {
         let middle = dark + (bright - dark) / 2;
         if code(curve, f32::from_bits(middle)) > below { bright = middle } else { dark = middle }
     }
-    f32::from_bits(bright)
+    bright
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn both(curve: Curve, x: f32) -> [u8; 2] {
-        let tone = Tone { exposure: 0.0, curve };
+    fn both(curve: Curve, bits: u32) -> [u8; 2] {
+        let (tone, x) = (Tone { exposure: 0.0, curve }, f32::from_bits(bits));
         let mut fast = [[0; 3]];
         tone.rgb8(&[[x; 3]], &mut fast);
         [tone.exact([x; 3])[0], fast[0][0]]
@@ -213,24 +217,21 @@ mod tests {
     #[test]
     fn no_cell_holds_two_thresholds_and_the_ends_are_black_and_white() {
         for curve in Curve::ALL {
-            let table = curve.table();
-            assert_eq!((table.floor[0], table.floor[CELLS - 1]), (0, 255), "{curve:?}");
-            assert!(table.floor.windows(2).all(|w| w[1] - w[0] <= 1), "{curve:?}");
+            let thresholds: Vec<_> = (0..255).map(|below| first_above(curve, below)).collect();
+            assert!(thresholds[0] > LOWEST && thresholds[254] < HIGHEST, "{curve:?}");
+            let cell = |bits: &u32| (bits - LOWEST) / STEP;
+            assert!(thresholds.windows(2).all(|w| cell(&w[0]) < cell(&w[1])), "{curve:?}");
         }
     }
 
     #[test]
     fn look_up_is_the_formula_at_every_threshold_and_over_all_floats() {
         for curve in Curve::ALL {
-            for threshold in &curve.table().next[..255] {
-                for bits in threshold.to_bits() - 2..=threshold.to_bits() + 2 {
-                    let [exact, fast] = both(curve, f32::from_bits(bits));
-                    assert_eq!(exact, fast, "{curve:?} {}", f32::from_bits(bits));
-                }
-            }
+            let near = (0..255).map(|below| first_above(curve, below)).flat_map(|t| t - 2..=t + 2);
             // A stride coprime to the cells' width, from 0 through the denormals to infinity.
-            for bits in (0..=f32::INFINITY.to_bits()).step_by(1999) {
-                let [exact, fast] = both(curve, f32::from_bits(bits));
+            let all = (0..=f32::INFINITY.to_bits()).step_by(1999);
+            for bits in near.chain(all) {
+                let [exact, fast] = both(curve, bits);
                 assert_eq!(exact, fast, "{curve:?} {}", f32::from_bits(bits));
             }
         }
