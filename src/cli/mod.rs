@@ -16,7 +16,6 @@ mod window;
 use clap::{Parser, Subcommand};
 use std::fmt::Display;
 use std::io::{self, Write};
-use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -29,8 +28,8 @@ use std::time::Instant;
   burnish table.scn                         a scene of yours
   burnish render table.scn -o table.png     the same without a window")]
 struct Args {
-    /// Scene to open: a .scn, .obj or .ply file. The built-in scene without one.
-    scene: Option<PathBuf>,
+    #[command(flatten)]
+    window: window::Args,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -47,7 +46,7 @@ pub(crate) fn main() -> ExitCode {
     let started = Instant::now();
     let args = Args::parse();
     let result = match args.command {
-        None => window::open(args.scene),
+        None => window::open(args.window),
         Some(Command::Brdf(args)) => brdf::run(&args),
         Some(Command::Render(args)) => render::run(&args, started),
         Some(Command::Report(args)) => report::run(&args),

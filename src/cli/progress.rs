@@ -78,12 +78,17 @@ impl Progress {
 }
 
 fn describe(snapshot: &Snapshot, goal: Goal) -> String {
-    let passes = match goal {
+    let done = match goal {
         Goal::Passes(limit) => format!("{}/{limit} passes", snapshot.passes),
-        Goal::Time(_) => format!("{} passes", snapshot.passes),
+        Goal::Time(_) => passes(snapshot.passes),
     };
     let speed = snapshot.counts.paths as f64 / snapshot.seconds.max(1e-9) / 1e6;
-    format!("{passes}, {speed:.2} M paths/s{}", error(snapshot))
+    format!("{done}, {speed:.2} M paths/s{}", error(snapshot))
+}
+
+/// "1 pass", "2 passes".
+pub(super) fn passes(n: u64) -> String {
+    if n == 1 { "1 pass".into() } else { format!("{n} passes") }
 }
 
 /// ", relative error 1.8 %", or nothing while it is not known.

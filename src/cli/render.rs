@@ -5,7 +5,7 @@ use super::stats::{self, Stats};
 use super::{Failure, interrupt, say, scene, values};
 use burnish::brdf::{Model, Roughness};
 use burnish::picture::{self, Curve, Tone, check_writable};
-use burnish::progressive::{Params, Session, Snapshot, State};
+use burnish::progressive::{Options, Params, Session, Snapshot, State};
 use burnish::scene::{Camera, Scene};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -15,6 +15,7 @@ use std::time::{Duration, Instant};
 ///
 /// Ctrl-C ends it early and still writes what is done; a second one quits at once.
 #[derive(Debug, clap::Args)]
+#[command(allow_negative_numbers = true)]
 #[command(after_help = "Examples:
   burnish render -o ball.png
   burnish render table.scn -o table.exr -o table.png --model ggx --alpha 0.1 --passes 512
@@ -31,10 +32,10 @@ pub(super) struct Args {
     model: Model,
     /// Roughness alpha of every material, 0.0001 to 1. Without it and --exponent each material
     /// keeps its own.
-    #[arg(long, value_name = "A", allow_hyphen_values = true, value_parser = values::alpha)]
+    #[arg(long, value_name = "A", value_parser = values::alpha)]
     alpha: Option<Roughness>,
     /// Phong exponent a_p of every material, 0 to 199999998; alpha = sqrt(2 / (a_p + 2)).
-    #[arg(long, value_name = "N", allow_hyphen_values = true, conflicts_with = "alpha",
+    #[arg(long, value_name = "N", conflicts_with = "alpha",
           value_parser = values::exponent)]
     exponent: Option<Roughness>,
     /// Samples a pixel.
@@ -43,7 +44,7 @@ pub(super) struct Args {
     passes: u64,
     /// Renders for so long instead, loading not counted. It may end within a pass: every pixel is
     /// divided by its own number of samples.
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, conflicts_with = "passes",
+    #[arg(long, value_name = "SECONDS", conflicts_with = "passes",
           value_parser = values::seconds)]
     time: Option<f64>,
     /// Width and height in pixels instead of the scene's.
@@ -63,7 +64,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     max_depth: Option<u32>,
     /// Exposure of PNG files in stops, -30 to 30.
-    #[arg(long, value_name = "EV", default_value = "0", allow_hyphen_values = true,
+    #[arg(long, value_name = "EV", default_value = "0",
           value_parser = values::exposure)]
     exposure: f32,
     /// How PNG files bring bright values into range, each channel on its own.
@@ -108,7 +109,7 @@ pub(super) fn run(args: &Args, started: Instant) -> Result<(), Failure> {
         capped: snapshot.counts.capped,
         model: args.model.name(),
         seed: args.seed,
-        isa: burnish::math::lanes::Isa::detect().name(),
+        isa: loaded.scene.bvh().isa().name(),
         version: env!("CARGO_PKG_VERSION"),
         width: picture.width,
         height: picture.height,
@@ -157,6 +158,8 @@ struct Traced {
 
 /// How long Ctrl-C and the end of the time may go unnoticed.
 const TICK: Duration = Duration::from_millis(50);
+/// Between two snapshots: how late the first complete picture may be noticed.
+const INTERVAL: Duration = Duration::from_millis(20);
 
 /// Traces until the goal is reached or Ctrl-C is pressed.
 fn trace(args: &Args, params: Params, started: Instant) -> Result<Traced, Failure> {
@@ -165,7 +168,8 @@ fn trace(args: &Args, params: Params, started: Instant) -> Result<Traced, Failur
         Goal::Passes(passes) => passes,
         Goal::Time(_) => Session::MAX_PASSES,
     };
-    let session = Session::start(params, limit, args.threads, || {}).map_err(Failure::new)?;
+    let options = Options { interval: INTERVAL, ..Options::headless(args.threads) };
+    let session = Session::with_options(params, limit, options, || {}).map_err(Failure::new)?;
     let mut progress = Progress::start(goal);
     let mut first_image = None;
     let mut ending = None;
@@ -215,9 +219,10 @@ fn early_end(goal: Goal, progress: &Progress) -> Option<Ending> {
 fn tell(snapshot: &Snapshot, ending: Ending) {
     let early = if ending == Ending::Interrupted { "stopped by Ctrl-C: " } else { "" };
     let Snapshot { passes, seconds, counts, .. } = snapshot;
-    say(format_args!("{early}{passes} passes in {seconds:.2} s{}", progress::error(snapshot)));
+    let (done, error) = (progress::passes(*passes), progress::error(snapshot));
+    say(format_args!("{early}{done} in {seconds:.2} s{error}"));
     if *passes == 0 {
-        say("warning: not every pixel has a sample yet; the rest is a coarse preview or black");
+        say("warning: not every pixel has a sample yet; the rest is black");
     }
     if counts.nonfinite > 0 {
         let n = counts.nonfinite;

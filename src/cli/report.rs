@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 /// Measures this program on this machine.
 #[derive(Debug, clap::Args)]
+#[command(allow_negative_numbers = true)]
 #[command(after_help = "Examples:
   burnish report --latency
   burnish report --latency table.scn --size 1600x1200 --changes 200")]

@@ -11,6 +11,7 @@ use std::path::PathBuf;
 
 /// Tables of the BRDF, as CSV on stdout.
 #[derive(Debug, clap::Args)]
+#[command(allow_negative_numbers = true)]
 #[command(group(ArgGroup::new("table").args(["eval", "albedo"]).required(true)))]
 #[command(after_help = "Examples:
   burnish brdf --eval directions.csv > values.csv
