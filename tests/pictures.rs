@@ -1,10 +1,13 @@
 //! Pictures on their way to the screen and to files, and back.
 
+mod support;
+
 use burnish::picture::{Curve, Format, NAN_COLOUR, Picture, SaveError, Tone};
 use burnish::picture::{check_writable, read_exr, replace_file, write};
 use std::fs;
 use std::io;
 use std::path::Path;
+use support::Random;
 
 fn tone(exposure: f32, curve: Curve) -> Tone {
     Tone { exposure, curve }
@@ -226,4 +229,40 @@ fn broken_and_oversized_exr_files_are_errors() {
     assert!(read_exr(&path).is_err());
     write(&path, &Picture::black(16_384, 1), Tone::default()).unwrap();
     assert!(read_exr(&path).is_ok());
+}
+
+/// One to four bytes changed, mostly in the header: what is read is a picture or an error with the
+/// file's name, and neither a panic nor a wait.
+#[test]
+fn damaged_exr_files_are_pictures_or_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    let pixels = (0..180).map(|i| [i as f32, 1.0 / (i as f32 + 1.0), 0.5]).collect();
+    write(&path, &Picture { width: 20, height: 9, pixels }, Tone::default()).unwrap();
+    let whole = fs::read(&path).unwrap();
+    let mut random = Random::new(3);
+    let (mut pictures, mut errors) = (0, 0);
+    for _ in 0..500 {
+        let mut bytes = whole.clone();
+        for _ in 0..=random.bits() % 4 {
+            let part = if random.bits().is_multiple_of(4) { bytes.len() } else { 400 };
+            let place = random.bits() as usize % part;
+            bytes[place] = [0, 255, random.bits() as u8][random.bits() as usize % 3];
+        }
+        fs::write(&path, &bytes).unwrap();
+        match read_exr(&path) {
+            Ok(picture) => {
+                assert_eq!(
+                    picture.pixels.len() as u64,
+                    picture.width as u64 * picture.height as u64
+                );
+                pictures += 1;
+            }
+            Err(error) => {
+                assert!(error.to_string().contains("a.exr"), "{error}");
+                errors += 1;
+            }
+        }
+    }
+    assert!(pictures > 50 && errors > 50, "{pictures} pictures, {errors} errors");
 }

@@ -9,6 +9,7 @@ mod progress;
 mod render;
 mod report;
 mod scene;
+mod snapshots;
 mod stats;
 mod values;
 mod window;

@@ -57,13 +57,6 @@ impl Progress {
         }
     }
 
-    /// Takes the bar away.
-    pub(super) fn finish(&self) {
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
-    }
-
     /// Done so far, in 0..=1. Passes are counted by their paths, as one may take minutes.
     fn share(&self, snapshot: &Snapshot) -> f64 {
         let share = match self.goal {
@@ -74,6 +67,15 @@ impl Progress {
             }
         };
         share.clamp(0.0, 1.0)
+    }
+}
+
+impl Drop for Progress {
+    /// Takes the bar away.
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
     }
 }
 

@@ -1,10 +1,12 @@
 //! `burnish render`: a picture without a window.
 
 use super::progress::{self, Goal, Progress};
+use super::scene::{self, Loaded};
+use super::snapshots::next;
 use super::stats::{self, Stats};
-use super::{Failure, interrupt, say, scene, values};
+use super::{Failure, interrupt, say, values};
 use burnish::brdf::{Model, Roughness};
-use burnish::picture::{self, Curve, Tone, check_writable};
+use burnish::picture::{self, Curve, Picture, Tone, check_writable};
 use burnish::progressive::{Options, Params, Session, Snapshot, State};
 use burnish::scene::{Camera, Scene};
 use std::path::PathBuf;
@@ -25,7 +27,8 @@ pub(super) struct Args {
     scene: Option<PathBuf>,
     /// Picture to write; may be given more than once. The name ends in .png (8-bit sRGB) or .exr
     /// (linear 32-bit float, untouched by --exposure and --tone).
-    #[arg(short, long = "output", value_name = "FILE", required = true, value_parser = values::picture)]
+    #[arg(short, long = "output", value_name = "FILE", required = true)]
+    #[arg(value_parser = values::picture)]
     outputs: Vec<PathBuf>,
     /// Which BRDF.
     #[arg(long, default_value = "ggx", value_parser = values::model())]
@@ -83,39 +86,20 @@ pub(super) fn run(args: &Args, started: Instant) -> Result<(), Failure> {
     }
     interrupt::listen()?;
     let loaded = scene::load(args.scene.as_deref())?;
-    let params = args.params(&loaded.scene);
-    let result = trace(args, params, started)?;
-    let snapshot = &result.snapshot;
-    tell(snapshot, result.ending);
-
-    let picture = snapshot.mean();
+    let traced = trace(args, args.params(&loaded.scene), started)?;
+    tell(&traced.snapshot, traced.interrupted);
+    if traced.snapshot.counts.paths == 0 {
+        return Err(Failure::new("stopped before the first sample: nothing is written"));
+    }
+    let picture = traced.snapshot.mean();
     let tone = Tone { exposure: args.exposure, curve: args.tone };
     for path in &args.outputs {
         picture::write(path, &picture, tone).map_err(Failure::new)?;
     }
-    let Some(path) = &args.stats else { return Ok(()) };
-    let stats = Stats {
-        load_s: loaded.load_s,
-        build_s: loaded.build_s,
-        first_image_s: result.first_image.map(|t| t.as_secs_f64()),
-        render_s: snapshot.seconds,
-        passes: snapshot.passes,
-        paths: snapshot.counts.paths,
-        rays: snapshot.counts.rays,
-        peak_mib: stats::peak_mib(),
-        est_rel_error: snapshot.error.map(|e| e.relative),
-        mean: stats::mean(&picture),
-        nonfinite: snapshot.counts.nonfinite,
-        capped: snapshot.counts.capped,
-        model: args.model.name(),
-        seed: args.seed,
-        isa: loaded.scene.bvh().isa().name(),
-        version: env!("CARGO_PKG_VERSION"),
-        width: picture.width,
-        height: picture.height,
-        threads: values::worker_count(args.threads),
-    };
-    stats.write(path)
+    match &args.stats {
+        Some(path) => stats(args, &loaded, &traced, &picture).write(path),
+        None => Ok(()),
+    }
 }
 
 impl Args {
@@ -140,84 +124,79 @@ impl Args {
     }
 }
 
-/// Why a render ended.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Ending {
-    /// As asked for.
-    Goal,
-    /// By Ctrl-C.
-    Interrupted,
-}
-
+/// A render that is over.
 struct Traced {
     snapshot: Snapshot,
-    ending: Ending,
+    /// Ended by Ctrl-C.
+    interrupted: bool,
     /// From the program's start until every pixel had a sample.
     first_image: Option<Duration>,
 }
 
-/// How long Ctrl-C and the end of the time may go unnoticed.
+/// How long Ctrl-C may go unnoticed.
 const TICK: Duration = Duration::from_millis(50);
 /// Between two snapshots: how late the first complete picture may be noticed.
 const INTERVAL: Duration = Duration::from_millis(20);
 
 /// Traces until the goal is reached or Ctrl-C is pressed.
 fn trace(args: &Args, params: Params, started: Instant) -> Result<Traced, Failure> {
-    let goal = args.goal();
-    let limit = match goal {
-        Goal::Passes(passes) => passes,
-        Goal::Time(_) => Session::MAX_PASSES,
+    let (limit, time) = match args.goal() {
+        Goal::Passes(passes) => (passes, Duration::MAX),
+        Goal::Time(time) => (Session::MAX_PASSES, time),
     };
     let options = Options { interval: INTERVAL, ..Options::headless(args.threads) };
     let session = Session::with_options(params, limit, options, || {}).map_err(Failure::new)?;
-    let mut progress = Progress::start(goal);
+    let mut progress = Progress::start(args.goal());
     let mut first_image = None;
-    let mut ending = None;
+    let mut stopping = false;
     loop {
-        let wait = match goal {
-            Goal::Time(limit) => limit.saturating_sub(progress.elapsed()).min(TICK),
-            Goal::Passes(_) => TICK,
-        };
-        match session.snapshots().recv_timeout(wait) {
-            Ok(snapshot) => {
-                if snapshot.passes > 0 {
-                    first_image.get_or_insert_with(|| started.elapsed());
-                }
-                progress.show(&snapshot);
-                if let State::Failed(why) = snapshot.state {
-                    progress.finish();
-                    return Err(Failure::new(why));
-                }
-                if snapshot.state != State::Running {
-                    progress.finish();
-                    let ending = ending.unwrap_or(Ending::Goal);
-                    return Ok(Traced { snapshot, ending, first_image });
-                }
+        let left = time.saturating_sub(progress.elapsed());
+        let wait = if stopping { TICK } else { left.min(TICK) };
+        if let Some(snapshot) = next(&session, wait)? {
+            if snapshot.passes > 0 {
+                first_image.get_or_insert_with(|| started.elapsed());
             }
-            Err(e) if e.is_timeout() => {}
-            Err(_) => return Err(Failure::new("the worker threads ended without a word")),
+            progress.show(&snapshot);
+            if snapshot.state != State::Running {
+                let interrupted = snapshot.state == State::Paused && interrupt::came();
+                return Ok(Traced { snapshot, interrupted, first_image });
+            }
         }
-        if ending.is_none() {
-            ending = early_end(goal, &progress);
-            if ending.is_some() {
-                session.pause();
-            }
+        if !stopping && (left.is_zero() || interrupt::came()) {
+            stopping = true;
+            session.pause();
         }
     }
 }
 
-/// Why to stop now, if there is a reason.
-fn early_end(goal: Goal, progress: &Progress) -> Option<Ending> {
-    match goal {
-        _ if interrupt::came() => Some(Ending::Interrupted),
-        Goal::Time(limit) if progress.elapsed() >= limit => Some(Ending::Goal),
-        _ => None,
+fn stats(args: &Args, loaded: &Loaded, traced: &Traced, picture: &Picture) -> Stats {
+    let Traced { snapshot, first_image, .. } = traced;
+    Stats {
+        load_s: loaded.load_s,
+        build_s: loaded.build_s,
+        first_image_s: first_image.map(|t| t.as_secs_f64()),
+        render_s: snapshot.seconds,
+        passes: snapshot.passes,
+        paths: snapshot.counts.paths,
+        rays: snapshot.counts.rays,
+        peak_mib: stats::peak_mib(),
+        est_rel_error: snapshot.error.map(|e| e.relative),
+        mean: stats::mean(picture),
+        nonfinite: snapshot.counts.nonfinite,
+        capped: snapshot.counts.capped,
+        model: args.model.name(),
+        seed: args.seed,
+        isa: loaded.scene.bvh().isa().name(),
+        version: env!("CARGO_PKG_VERSION"),
+        width: picture.width,
+        height: picture.height,
+        threads: values::worker_count(args.threads),
     }
 }
 
 /// What there is to know about a finished render.
-fn tell(snapshot: &Snapshot, ending: Ending) {
-    let early = if ending == Ending::Interrupted { "stopped by Ctrl-C: " } else { "" };
+fn tell(snapshot: &Snapshot, interrupted: bool) {
+    let early = if interrupted { "stopped by Ctrl-C: " } else { "" };
     let Snapshot { passes, seconds, counts, .. } = snapshot;
     let (done, error) = (progress::passes(*passes), progress::error(snapshot));
     say(format_args!("{early}{done} in {seconds:.2} s{error}"));

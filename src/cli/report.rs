@@ -1,9 +1,10 @@
 //! `burnish report`: figures about the program itself.
 
+use super::snapshots::next;
 use super::{Failure, print, scene, values};
 use burnish::brdf::Roughness;
 use burnish::picture::Tone;
-use burnish::progressive::{Params, Session, Snapshot, State, TILE};
+use burnish::progressive::{Params, Session, Snapshot, TILE};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -119,16 +120,6 @@ fn change_to_picture(
 }
 
 const PATIENCE: Duration = Duration::from_secs(60);
-
-/// The next snapshot, if one comes in time.
-fn next(session: &Session, wait: Duration) -> Result<Option<Snapshot>, Failure> {
-    match session.snapshots().recv_timeout(wait) {
-        Ok(Snapshot { state: State::Failed(why), .. }) => Err(Failure::new(why)),
-        Ok(snapshot) => Ok(Some(snapshot)),
-        Err(e) if e.is_timeout() => Ok(None),
-        Err(_) => Err(Failure::new("the worker threads ended without a word")),
-    }
-}
 
 /// Median, 95th percentile and largest, in milliseconds.
 fn summary(name: &str, seconds: &mut [f64]) -> String {

@@ -30,7 +30,9 @@ pub enum SaveError {
     #[error("{}: is write-protected; remove the protection or choose another name", .0.display())]
     Protected(PathBuf),
     /// Writing failed on the way, such as on a full disk.
-    #[error("{}: could not be written: {source}; what was there before is untouched", .path.display())]
+    #[error(
+        "{}: could not be written: {source}; what was there before is untouched", .path.display()
+    )]
     Write {
         /// The file asked for.
         path: PathBuf,

@@ -20,12 +20,7 @@ pub(super) struct Args {
     /// Evaluates the BRDF for each row of a CSV file with the columns model, param, wi_x, wi_y,
     /// wi_z, wo_x, wo_y, wo_z, Kd, Ks in any order; others are ignored. The directions are unit
     /// vectors, the normal is z; param is the exponent a_p for phong, alpha for the others.
-    #[arg(
-        long,
-        value_name = "FILE",
-        required_unless_present = "albedo",
-        conflicts_with = "albedo"
-    )]
+    #[arg(long, value_name = "FILE")]
     eval: Option<PathBuf>,
     /// Directional albedo over model, roughness and angle, estimated by the renderer's sampler.
     #[arg(long)]
