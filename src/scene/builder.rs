@@ -341,9 +341,10 @@ impl SceneBuilder {
             p
         };
         let hash = |t: &[u32; 3]| {
-            key(t).iter().flatten().fold(0u64, |h, &x| {
-                (h ^ x).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
-            })
+            key(t)
+                .iter()
+                .flatten()
+                .fold(0u64, |h, &x| (h ^ x).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29))
         };
         let mut order: Vec<(u64, u32)> =
             self.triangles.iter().enumerate().map(|(i, t)| (hash(t), i as u32)).collect();
@@ -380,7 +381,11 @@ fn in_reach(p: DVec3) -> Result<DVec3, ShapeError> {
 }
 
 fn positive(radius: f64) -> Result<f64, ShapeError> {
-    if radius > 0.0 && radius <= MAX_COORDINATE { Ok(radius) } else { Err(ShapeError::Radius(radius)) }
+    if radius > 0.0 && radius <= MAX_COORDINATE {
+        Ok(radius)
+    } else {
+        Err(ShapeError::Radius(radius))
+    }
 }
 
 fn corners(positions: &[DVec3], t: [u32; 3]) -> Option<[DVec3; 3]> {
