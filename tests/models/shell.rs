@@ -11,16 +11,16 @@ use super::model::{Model, Point};
 /// Natural logarithm of the growth in one turn.
 const GROWTH: f64 = 0.4;
 const TURNS: i32 = 7;
-const RIBS_PER_TURN: i32 = 12;
+const RIBS_PER_TURN: i32 = 10;
 /// Points around the tube.
-const AROUND: u32 = 42;
+const AROUND: u32 = 40;
 /// Distances at the mouth, in radii of the tube: its centre from the axis and below the tip.
 const FROM_AXIS: f64 = 1.04;
 const BELOW_TIP: f64 = 4.55;
 /// Radius of the inner wall.
 const INNER: f64 = 0.84;
 /// Places across a rib, in distances between ribs: close together where it is steep.
-const ACROSS_RIB: [f64; 8] = [-0.25, -0.1, -0.04, 0.0, 0.04, 0.1, 0.25, 0.5];
+const ACROSS_RIB: [f64; 10] = [-0.2, -0.12, -0.07, -0.035, 0.0, 0.035, 0.07, 0.12, 0.2, 0.5];
 
 /// A ring of points around the tube.
 struct Ring {
@@ -61,7 +61,7 @@ pub(crate) fn wentletrap() -> Model {
 /// Outside from the tip to the mouth, around the lip, and back along the inside.
 fn rings() -> Vec<Ring> {
     let mut rings = Vec::new();
-    // The tip is a dome: a first half ring of the tube, closed like a sphere.
+    // The tip: the tube closes in a dome.
     let start = -f64::from(TURNS);
     for [c, s] in [0.06, 0.12, 0.18].map(cos_sin) {
         rings.push(Ring { u: start - 0.13 * c, radius: s, rib: 0.0 });
@@ -75,9 +75,9 @@ fn rings() -> Vec<Ring> {
             rings.push(Ring { u, radius: 1.0, rib: rib(across) * age * age * (3.0 - 2.0 * age) });
         }
     }
-    // The lip: a last, thicker rib that turns in.
+    // The lip: a last, thicker rib that turns in. Each line is u, radius, rib.
     let lip = [
-        (0.016, 1.0, 0.25),
+        (0.016, 1.00, 0.25),
         (0.026, 1.02, 0.75),
         (0.034, 1.03, 1.0),
         (0.042, 1.03, 1.05),
@@ -98,7 +98,7 @@ fn rings() -> Vec<Ring> {
 
 /// Height of a rib at a distance from its crest, in distances between ribs.
 fn rib(across: f64) -> f64 {
-    let x = across / 0.075;
+    let x = across / 0.1;
     let bell = 1.0 / (1.0 + x * x);
     bell * bell
 }
@@ -120,7 +120,7 @@ fn point(ring: &Ring, j: u32) -> Point {
     let [out, up] = cos_sin(v);
     // Ribs are high on the shoulder, where they end in a small point, and low at the seams.
     let shoulder = (v - 0.12) / 0.045;
-    let crest = 0.16 + 0.18 * (1.0 + out) / 2.0 + 0.14 / (1.0 + shoulder * shoulder);
+    let crest = 0.14 + 0.15 * (1.0 + out) / 2.0 + 0.14 / (1.0 + shoulder * shoulder);
     let radius = ring.radius + crest * ring.rib;
     // Ribs lean: their lower ends lie further along the tube, their crests bend back.
     let u = ring.u - 0.02 * up - 0.012 * ring.rib * (1.0 + out) / 2.0;
