@@ -193,7 +193,7 @@ impl<'a> Reader<'a> {
         let file = args.word()?;
         let (shift, [scale]) = (args.point()?, args.numbers()?);
         let turn = args.orientation()?;
-        if !(shift.abs().max_element() <= MAX_COORDINATE) {
+        if shift.abs().max_element() > MAX_COORDINATE {
             return Err(ShapeError::Coordinate(shift.x, shift.y, shift.z).into());
         }
         if !(1.0 / MAX_COORDINATE..=MAX_COORDINATE).contains(&scale.abs()) {
