@@ -31,9 +31,14 @@ pub(super) fn load(path: Option<&Path>) -> Result<Loaded, Failure> {
     Ok(Loaded { scene, load_s, build_s: start.elapsed().as_secs_f64() })
 }
 
-fn read(_: Option<&Path>) -> Result<(SceneBuilder, Report), Failure> {
-    Err(Failure::new("tmp"))
+fn read(path: Option<&Path>) -> Result<(SceneBuilder, Report), Failure> {
+    match path {
+        None => burnish::scene::builtin::default_scene().map_err(Failure::new),
+        Some(path) => burnish::scene::read::open(path).map_err(Failure::new),
+    }
 }
-pub(super) fn camera(_: &str) -> Result<Camera, String> {
-    Err("tmp".into())
+
+/// The text after the keyword `camera` of a `.scn` file.
+pub(super) fn camera(text: &str) -> Result<Camera, String> {
+    burnish::scene::read::parse_camera(text)
 }
