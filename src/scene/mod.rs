@@ -6,6 +6,7 @@
 //! that map; [`Placement`] converts points for those who ask.
 
 mod builder;
+pub mod builtin;
 mod camera;
 mod material;
 mod rays;
