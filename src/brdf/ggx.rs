@@ -52,7 +52,12 @@ impl Microfacet for Ggx {
     }
 
     #[inline(always)]
-    fn pdf_wi<L: Lane>(width: Width<L>, wo: V3<L>, d: L, _cos_over_dot: L) -> L {
-        d * Self::g1_over_cos(width, wo) * L::splat(0.25)
+    fn pdf_factor<L: Lane>(width: Width<L>, wo: V3<L>) -> L {
+        Self::g1_over_cos(width, wo) * L::splat(0.25)
+    }
+
+    #[inline(always)]
+    fn pdf_wi<L: Lane>(factor: L, d: L, _cos_over_dot: L) -> L {
+        factor * d
     }
 }

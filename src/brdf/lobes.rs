@@ -80,79 +80,119 @@ impl<L: Lane> Lobes<L> {
         self.ks.max_channel().gt(L::splat(0.0))
     }
 
-    /// Value and density for two unit directions; zero unless both are above the surface.
+    /// The BRDF as one viewer sees it: what depends on `wo` alone is computed once.
     #[inline(always)]
-    pub fn eval<M: Microfacet>(&self, wo: V3<L>, wi: V3<L>) -> Evaluation<L> {
-        let above = above(wo, wi);
-        if !self.has_specular().any() {
-            return self.diffuse_only(wi, above);
-        }
-        let h = wi + wo;
-        let h2 = h.length2();
-        let d = M::d(self.width, h);
-        let weight = schlick_weight(one_minus_dot(wo, wi, h2));
-        let cos_over_dot = (h.z + h.z) / h2;
-        self.combine::<M>(wo, wi, self.p_specular(wo), d, weight, cos_over_dot, above)
+    pub fn seen_from<M: Microfacet>(&self, wo: V3<L>) -> View<L> {
+        let zero = L::splat(0.0);
+        let glossy = self.has_specular();
+        let (p_specular, g1, pdf_factor) = if glossy.any() {
+            let g1 = M::g1_over_cos(self.width, wo);
+            (self.p_specular(wo), g1, M::pdf_factor(self.width, wo))
+        } else {
+            (zero, zero, zero)
+        };
+        View { lobes: *self, wo, glossy, p_specular, g1, pdf_factor }
     }
 
-    /// A direction for the viewer `wo` (z > 0) from a uniform number for the lobe and two for the
-    /// direction. D and F come from the sampled microfacet normal itself, which keeps digits that
-    /// the sum `wi + wo` has lost when alpha is small.
+    /// [`View::eval`] for one pair of directions.
+    #[inline(always)]
+    pub fn eval<M: Microfacet>(&self, wo: V3<L>, wi: V3<L>) -> Evaluation<L> {
+        self.seen_from::<M>(wo).eval::<M>(wi)
+    }
+
+    /// [`View::sample`] for one viewer.
     #[inline(always)]
     pub fn sample<M: Microfacet>(&self, wo: V3<L>, choice: L, u: [L; 2]) -> LobeSample<L> {
-        if !self.has_specular().any() {
+        self.seen_from::<M>(wo).sample::<M>(choice, u)
+    }
+}
+
+/// The BRDF as one viewer sees it, from [`Lobes::seen_from`].
+#[derive(Clone, Copy, Debug)]
+pub struct View<L: Lane = f32> {
+    lobes: Lobes<L>,
+    wo: V3<L>,
+    glossy: L::Mask,
+    p_specular: L,
+    /// G1(wo) over its cosine.
+    g1: L,
+    pdf_factor: L,
+}
+
+impl<L: Lane> View<L> {
+    /// Value and density for a unit direction `wi`; zero unless it and `wo` are above the surface.
+    #[inline(always)]
+    pub fn eval<M: Microfacet>(&self, wi: V3<L>) -> Evaluation<L> {
+        let above = above(self.wo, wi);
+        if !self.glossy.any() {
+            return self.diffuse_only(wi, above);
+        }
+        let h = wi + self.wo;
+        let h2 = h.length2();
+        let d = M::d(self.lobes.width, h);
+        let weight = schlick_weight(one_minus_dot(self.wo, wi, h2));
+        self.combine::<M>(wi, d, weight, (h.z + h.z) / h2, above)
+    }
+
+    /// A direction from a uniform number for the lobe and two for the direction. D and F come from
+    /// the sampled microfacet normal itself, which keeps digits that the sum `wi + wo` has lost
+    /// when alpha is small.
+    #[inline(always)]
+    pub fn sample<M: Microfacet>(&self, choice: L, u: [L; 2]) -> LobeSample<L> {
+        let wo = self.wo;
+        if !self.glossy.any() {
             let wi = cosine_hemisphere(u);
             let e = self.diffuse_only(wi, above(wo, wi));
             return LobeSample { wi, f: e.f, pdf: e.pdf };
         }
-        let p = self.p_specular(wo);
-        let take_specular = choice.lt(p);
+        let take_specular = choice.lt(self.p_specular);
         // What no lane takes is not computed.
         let nothing = V3::splat(L::splat(0.0));
-        let wm = if take_specular.any() { M::sample_wm(self.width, wo, u) } else { nothing };
+        let width = self.lobes.width;
+        let wm = if take_specular.any() { M::sample_wm(width, wo, u) } else { nothing };
         let dot = wo.dot(wm);
         let mirrored = wm * (dot + dot) - wo;
         let diffuse = if take_specular.all() { nothing } else { cosine_hemisphere(u) };
         let wi = V3::select(take_specular, mirrored, diffuse);
         let h = wi + wo;
         let h2 = h.length2();
-        let d = M::d(self.width, V3::select(take_specular, wm, h));
-        let away = wo - wm;
-        let one_minus_d =
-            L::select(take_specular, away.length2() * L::splat(0.5), one_minus_dot(wo, wi, h2));
+        let d = M::d(width, V3::select(take_specular, wm, h));
+        let one_minus_d = L::select(
+            take_specular,
+            (wo - wm).length2() * L::splat(0.5),
+            one_minus_dot(wo, wi, h2),
+        );
         let cos_over_dot = L::select(take_specular, wm.z / dot, (h.z + h.z) / h2);
         let facing = dot.gt(L::splat(0.0)) | !take_specular;
         let weight = schlick_weight(one_minus_d);
-        let valid = above(wo, wi) & facing;
-        let e = self.combine::<M>(wo, wi, p, d, weight, cos_over_dot, valid);
+        let e = self.combine::<M>(wi, d, weight, cos_over_dot, above(wo, wi) & facing);
         LobeSample { wi, f: e.f, pdf: e.pdf }
     }
 
-    /// What [`Lobes::combine`] gives where no lane has a specular lobe.
+    /// What [`View::combine`] gives where no lane has a specular lobe.
     #[inline(always)]
     fn diffuse_only(&self, wi: V3<L>, valid: L::Mask) -> Evaluation<L> {
         Evaluation {
-            f: self.kd.map(|kd| (kd * L::splat(INV_PI)).or_zero(valid)),
+            f: self.lobes.kd.map(|kd| (kd * L::splat(INV_PI)).or_zero(valid)),
             pdf: cosine_hemisphere_pdf(wi.z).or_zero(valid),
         }
     }
 
     #[inline(always)]
-    #[allow(clippy::too_many_arguments)] // the shared tail of eval and sample
     fn combine<M: Microfacet>(
         &self,
-        wo: V3<L>,
         wi: V3<L>,
-        p: L,
         d: L,
         weight: L,
         cos_over_dot: L,
         valid: L::Mask,
     ) -> Evaluation<L> {
-        let g = M::g1_over_cos(self.width, wi) * M::g1_over_cos(self.width, wo);
-        let lobe = (d * (g * L::splat(0.25))).or_zero(self.has_specular());
-        let f = self.kd.map(|kd| kd * L::splat(INV_PI)) + schlick(self.ks, weight) * lobe;
-        let specular = M::pdf_wi(self.width, wo, d, cos_over_dot).or_zero(p.gt(L::splat(0.0)));
+        let g = M::g1_over_cos(self.lobes.width, wi) * self.g1;
+        let lobe = (d * (g * L::splat(0.25))).or_zero(self.glossy);
+        let diffuse = self.lobes.kd.map(|kd| kd * L::splat(INV_PI));
+        let f = diffuse + schlick(self.lobes.ks, weight) * lobe;
+        let p = self.p_specular;
+        let specular = M::pdf_wi(self.pdf_factor, d, cos_over_dot).or_zero(p.gt(L::splat(0.0)));
         let pdf = p * specular + (L::splat(1.0) - p) * cosine_hemisphere_pdf(wi.z);
         let valid = valid & pdf.gt(L::splat(0.0));
         Evaluation { f: f.map(|c| c.or_zero(valid)), pdf: pdf.or_zero(valid) }
@@ -189,7 +229,7 @@ impl Lobes {
             fresnel,
             specular: lobe * fresnel,
             pdf_diffuse: cosine_hemisphere_pdf(wi.z),
-            pdf_specular: M::pdf_wi(self.width, wo, d, (h.z + h.z) / h2),
+            pdf_specular: M::pdf_wi(M::pdf_factor(self.width, wo), d, (h.z + h.z) / h2),
             p_specular: self.p_specular(wo),
         }
     }

@@ -19,7 +19,7 @@ mod roughness;
 
 pub use beckmann::Beckmann;
 pub use ggx::Ggx;
-pub use lobes::{Evaluation, LobeSample, Lobes, Terms};
+pub use lobes::{Evaluation, LobeSample, Lobes, Terms, View};
 pub use phong::Phong;
 pub use roughness::{Roughness, RoughnessError};
 
@@ -110,10 +110,13 @@ pub trait Microfacet: Copy + Send + Sync + 'static {
     /// A microfacet normal for the viewer `wo` from two uniform numbers: unit, z >= 0.
     fn sample_wm<L: Lane>(width: Width<L>, wo: V3<L>, u: [L; 2]) -> V3<L>;
 
+    /// What [`Microfacet::pdf_wi`] needs to know of the viewer.
+    fn pdf_factor<L: Lane>(width: Width<L>, wo: V3<L>) -> L;
+
     /// The density in 1/sr of `wi` made by reflecting `wo` at [`Microfacet::sample_wm`]'s normal,
-    /// from `d` = D(wm) and `cos_over_dot` = wm.z / (wo.wm). What falls below the horizon is
-    /// missing from its integral.
-    fn pdf_wi<L: Lane>(width: Width<L>, wo: V3<L>, d: L, cos_over_dot: L) -> L;
+    /// from the viewer's [`Microfacet::pdf_factor`], `d` = D(wm) and `cos_over_dot` =
+    /// wm.z / (wo.wm). What falls below the horizon is missing from its integral.
+    fn pdf_wi<L: Lane>(factor: L, d: L, cos_over_dot: L) -> L;
 }
 
 /// Walter et al. 2007's rational G1 of Beckmann, divided by the cosine. Both Beckmann and Phong

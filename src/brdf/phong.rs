@@ -41,7 +41,12 @@ impl Microfacet for Phong {
     }
 
     #[inline(always)]
-    fn pdf_wi<L: Lane>(_width: Width<L>, _wo: V3<L>, d: L, cos_over_dot: L) -> L {
-        d * cos_over_dot * L::splat(0.25)
+    fn pdf_factor<L: Lane>(_width: Width<L>, _wo: V3<L>) -> L {
+        L::splat(0.25)
+    }
+
+    #[inline(always)]
+    fn pdf_wi<L: Lane>(factor: L, d: L, cos_over_dot: L) -> L {
+        factor * d * cos_over_dot
     }
 }

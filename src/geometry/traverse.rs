@@ -70,14 +70,16 @@ impl Bvh {
 
 /// A ray prepared for box tests.
 ///
-/// Boxes are met as if grown by a margin that covers every rounding of the box test and of the
-/// triangle test's shear, so that no box is missed whose triangle would be hit.
+/// Boxes are met as if grown by a margin that covers every rounding of the box test, the product
+/// of origin and inverse included, and of the triangle test's shear, so that no box is missed whose
+/// triangle would be hit. So the test may be fused or not: hits do not depend on it.
 struct Slabs<W> {
     /// Row of the near plane of each axis; the far one is its pair.
     near: [usize; 3],
-    near_origin: [W; 3],
-    far_origin: [W; 3],
     inverse: [W; 3],
+    /// `-origin * inverse`, with the margin, for near and far planes.
+    near_offset: [W; 3],
+    far_offset: [W; 3],
 }
 
 impl<W: Wide> Slabs<W> {
@@ -89,9 +91,9 @@ impl<W: Wide> Slabs<W> {
         let fastest = ray.d.abs().max_component();
         let mut slabs = Slabs {
             near: [0; 3],
-            near_origin: [W::splat(0.0); 3],
-            far_origin: [W::splat(0.0); 3],
             inverse: [W::splat(0.0); 3],
+            near_offset: [W::splat(0.0); 3],
+            far_offset: [W::splat(0.0); 3],
         };
         for axis in 0..3 {
             // A component too small to matter over the length of the scene still gives a finite
@@ -100,27 +102,28 @@ impl<W: Wide> Slabs<W> {
             let along = if d[axis].abs() < least { least.copysign(d[axis]) } else { d[axis] };
             let outwards = margin.copysign(along);
             slabs.near[axis] = 2 * axis + (along < 0.0) as usize;
-            slabs.near_origin[axis] = W::splat(o[axis] + outwards);
-            slabs.far_origin[axis] = W::splat(o[axis] - outwards);
-            slabs.inverse[axis] = W::splat(1.0 / along);
+            let inverse = 1.0 / along;
+            slabs.inverse[axis] = W::splat(inverse);
+            slabs.near_offset[axis] = W::splat(-(o[axis] + outwards) * inverse);
+            slabs.far_offset[axis] = W::splat(-(o[axis] - outwards) * inverse);
         }
         slabs
     }
 
     /// Distances to a row of planes.
     #[inline(always)]
-    fn planes(&self, row: &[f32; 8], origin: W, axis: usize) -> W {
-        (W::load(row) - origin) * self.inverse[axis]
+    fn planes(&self, row: &[f32; 8], offset: W, axis: usize) -> W {
+        W::load(row).mul_add(self.inverse[axis], offset)
     }
 
     #[inline(always)]
     fn near(&self, node: &Node, axis: usize) -> W {
-        self.planes(&node.bounds[self.near[axis]], self.near_origin[axis], axis)
+        self.planes(&node.bounds[self.near[axis]], self.near_offset[axis], axis)
     }
 
     #[inline(always)]
     fn far(&self, node: &Node, axis: usize) -> W {
-        self.planes(&node.bounds[self.near[axis] ^ 1], self.far_origin[axis], axis)
+        self.planes(&node.bounds[self.near[axis] ^ 1], self.far_offset[axis], axis)
     }
 
     /// Entry distances, and lanes whose box is met before `t_max`.

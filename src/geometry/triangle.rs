@@ -149,15 +149,18 @@ pub(super) fn surface(geometry: &Geometry, triangle: usize, b: [f32; 2]) -> Surf
     // A point that rounding has put past an edge may lie behind the neighbouring face. A step of
     // the error's size towards the middle brings it back.
     let inwards = (v0 + v1 + v2) * (1.0 / 3.0) - p;
-    let length = inwards.length();
+    let reach = inwards.abs().max_component();
     let step = 2.0 * error.max_component();
-    let p = if length > step { p + inwards * (step / length) } else { p };
+    let p = if reach > step { p + inwards * (step / reach) } else { p };
 
     let ng = (v1 - v0).cross(v2 - v0).normalize();
     let n = indices.map(|i| geometry.normals[i as usize]);
-    let sum = n[0] * b0 + n[1] * b1 + n[2] * b2;
-    let missing = n.iter().any(|n| *n == V3::default());
-    let length2 = sum.length2();
-    let ns = if missing || length2 < 1e-12 { ng } else { sum * (1.0 / length2.sqrt()) };
+    let ns = if n.contains(&V3::default()) {
+        ng
+    } else {
+        let sum = n[0] * b0 + n[1] * b1 + n[2] * b2;
+        let length2 = sum.length2();
+        if length2 < 1e-12 { ng } else { sum * (1.0 / length2.sqrt()) }
+    };
     SurfacePoint { p, ng, ns, error }
 }

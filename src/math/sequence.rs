@@ -101,9 +101,11 @@ impl<B: Bits> Stream<B> {
     /// The pair of a slot as 32-bit integers: uniform fixed-point numbers in [0, 1).
     #[inline(always)]
     pub fn pair_bits(&self, slot: Slot) -> [B; 2] {
+        // Three seeds from one hash: products with odd numbers differ in all high bits, which is
+        // what the scrambling reads most.
         let a = mix(self.key + B::splat(slot.0.wrapping_mul(0x9e37_79b9)));
-        let b = mix(a ^ B::splat(0x6c07_8965));
-        let c = mix(b ^ B::splat(0xb529_7a4d));
+        let b = (a ^ (a >> 16)) * B::splat(0x2c1b_3c6d);
+        let c = (b ^ (b >> 15)) * B::splat(0x297a_2d39);
         // Shuffling the index within 16 bits: low bits of the scrambled number depend on low bits
         // only, so the rest may be cut off.
         let index = (scramble_reversed(self.reversed, a) & B::splat(0xffff)).reverse_bits() >> 16;

@@ -36,33 +36,30 @@ pub(super) enum Target {
 pub(super) enum End {
     /// Nowhere: the direction misses the light after all.
     Missed,
-    /// Never.
-    Infinity,
-    /// On this surface, coming to the side of it that the vector points to.
-    At(SurfacePoint, V3),
+    /// At this distance along the direction, which may be infinite.
+    Distance(f32),
+    /// On this surface.
+    At(SurfacePoint),
 }
 
 impl Target {
     /// The end of a ray from `o` in the direction `wi`.
     #[inline(always)]
     pub(super) fn end(&self, o: V3, wi: V3) -> End {
-        let (sphere, t) = match self {
-            Target::Infinity => return End::Infinity,
-            Target::Point(point) => return End::At(*point, -wi),
-            Target::Sphere(sphere) => match sphere.intersect(o, wi, f32::INFINITY) {
-                Some(t) => (sphere, t),
-                None => return End::Missed,
-            },
-            Target::SphereWithin(sphere) => {
-                // On the rim rounding may make it miss: then the nearest point will do.
-                let nearest = || (sphere.centre - o).dot(wi).max(0.0);
-                (sphere, sphere.intersect(o, wi, f32::INFINITY).unwrap_or_else(nearest))
+        // The traversal meets the sphere at this same number, so just short of it is short enough.
+        let before = |t: f32| End::Distance(t * (1.0 - f32::EPSILON));
+        match self {
+            Target::Infinity => End::Distance(f32::INFINITY),
+            Target::Point(point) => End::At(*point),
+            Target::Sphere(sphere) => {
+                sphere.intersect(o, wi, f32::INFINITY).map_or(End::Missed, before)
             }
-        };
-        let point = sphere.surface(o + wi * t);
-        // At the rim the direction itself does not tell inside from outside.
-        let outside = (o - sphere.centre).length2() > sphere.radius * sphere.radius;
-        End::At(point, if outside { point.ng } else { -point.ng })
+            Target::SphereWithin(sphere) => {
+                // On the rim rounding may make it miss: then up to the nearest point will do.
+                let nearest = || (sphere.centre - o).dot(wi).max(0.0);
+                before(sphere.intersect(o, wi, f32::INFINITY).unwrap_or_else(nearest))
+            }
+        }
     }
 }
 

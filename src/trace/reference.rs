@@ -10,10 +10,10 @@ use crate::math::{Frame, Rgb, V3};
 use std::marker::PhantomData;
 
 /// First scattering event after which a path may be ended by chance.
-const ROULETTE_FROM: u32 = 2;
+const ROULETTE_FROM: u32 = 1;
 /// A path goes on for certain while its throughput is above the inverse of this. Ending more of
 /// them sooner would cost the stratification more than the time saved is worth.
-const ROULETTE_MILDNESS: f32 = 2.5;
+const ROULETTE_MILDNESS: f32 = 2.0;
 /// From this event on even a bright path may end, so that none is endless.
 const ROULETTE_ALWAYS_FROM: u32 = 8;
 const ROULETTE_MOST: f32 = 0.95;
@@ -123,7 +123,7 @@ impl Tracer {
                 return sum;
             }
             let Some(vertex) = Vertex::facing(point, -ray.d) else { return sum };
-            let lobes = &surface.lobes;
+            let view = surface.lobes.seen_from::<M>(vertex.wo);
             let [lobe_choice, light_choice] = pair::<f32>(stream, Slot::choice(event));
 
             let u = pair::<f32>(stream, Slot::light(event));
@@ -132,7 +132,7 @@ impl Tracer {
             if let Some(light) = light
                 && let Some(wi) = vertex.inwards(light.wi)
             {
-                let e = lobes.eval::<M>(vertex.wo, wi);
+                let e = view.eval::<M>(wi);
                 let found =
                     light.radiance * e.f * (wi.z / light.pdf * self.asked(light.pdf, e.pdf));
                 if !found.is_black() && self.sees::<W>(&vertex, light.wi, &light.target, scratch) {
@@ -141,7 +141,7 @@ impl Tracer {
             }
 
             let u = pair::<f32>(stream, Slot::direction(event));
-            let next = lobes.sample::<M>(vertex.wo, lobe_choice, u);
+            let next = view.sample::<M>(lobe_choice, u);
             let d = vertex.frame.to_world(next.wi);
             if next.pdf <= 0.0 || vertex.ng.dot(d) <= 0.0 {
                 return sum;
@@ -201,9 +201,9 @@ impl Tracer {
         // From just off one surface to just off the other, but for the rounding of t itself.
         let (d, t_max) = match target.end(o, wi) {
             End::Missed => return false,
-            End::Infinity => (wi, f32::INFINITY),
+            End::Distance(t) => (wi, t),
             // From just off one surface to just off the other, but for the rounding of t itself.
-            End::At(q, side) => (offset_origin(q.p, q.error, q.ng, side) - o, SHADOW_END),
+            End::At(q) => (offset_origin(q.p, q.error, q.ng, -wi) - o, SHADOW_END),
         };
         scratch.rays += 1;
         let geometry = self.scene.geometry();

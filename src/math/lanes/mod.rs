@@ -147,7 +147,8 @@ pub trait Wide: Lane {
     fn store(self) -> [f32; 8];
 }
 
-/// An instruction set the wide code can run on. All give the same bits.
+/// An instruction set the wide code can run on. Code that keeps off [`Lane::mul_add`] gets the same
+/// bits on all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Isa {
     /// Plain Rust, compiled for the target's baseline.

@@ -158,10 +158,10 @@ impl Lane for Avx2 {
         // SAFETY: a value of this type exists only under AVX2 (module docs).
         Avx2(unsafe { _mm256_sqrt_ps(self.0) })
     }
-    // Not fused, so that this set gives the bits of the portable one.
     #[inline(always)]
     fn mul_add(self, b: Avx2, c: Avx2) -> Avx2 {
-        self * b + c
+        // SAFETY: a value of this type exists only under AVX2 and FMA (module docs).
+        Avx2(unsafe { _mm256_fmadd_ps(self.0, b.0, c.0) })
     }
     compare! {
         lt _CMP_LT_OQ;
