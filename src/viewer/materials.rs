@@ -1,0 +1,83 @@
+//! The scene's materials: pick one to edit its roughness.
+
+use super::document::{Document, has_lobe};
+use super::theme::{self, digits};
+use burnish::scene::{Material, MaterialId};
+use egui::{Align, Button, Layout, Response, RichText, Ui};
+
+pub(super) struct Materials;
+
+impl Materials {
+    pub(super) fn ui(&mut self, ui: &mut Ui, document: &mut Document) {
+        let count = RichText::new(document.params.materials.len().to_string());
+        theme::section(ui, "materials", "Materials", Some(count), true, |ui| {
+            let mut clicked = None;
+            let chosen = document.picked.filter(|_| document.only_picked);
+            for (id, material) in document.params.materials.iter().enumerate() {
+                let id = id as MaterialId;
+                if row(ui, material, chosen == Some(id)).clicked() {
+                    clicked = Some(id);
+                }
+            }
+            if clicked.is_some() {
+                // A second click lets go of it.
+                document.pick(clicked.filter(|_| clicked != chosen));
+            }
+        });
+    }
+}
+
+fn row(ui: &mut Ui, material: &Material, chosen: bool) -> Response {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        swatches(ui, material);
+        let width = ui.available_width();
+        let name = Button::selectable(chosen, material.name.as_str())
+            .right_text(RichText::new(figure(material)).monospace())
+            .truncate();
+        let layout = Layout::left_to_right(Align::Center).with_main_justify(true);
+        let size = egui::vec2(width, ui.spacing().interact_size.y);
+        ui.allocate_ui_with_layout(size, layout, |ui| ui.add(name))
+            .inner
+            .on_hover_text(describe(material))
+    })
+    .inner
+}
+
+/// Two squares: Kd and Ks, or one of what it emits.
+fn swatches(ui: &mut Ui, material: &Material) {
+    if material.emits() {
+        let brightest = material.emission.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
+        theme::swatch(ui, material.emission.map(|c| c / brightest))
+            .on_hover_text("Colour of the emitted radiance");
+        ui.add_space(16.0);
+    } else {
+        theme::swatch(ui, material.kd).on_hover_text("Diffuse reflectance Kd");
+        theme::swatch(ui, material.ks).on_hover_text("Specular reflectance at normal incidence Ks");
+    }
+}
+
+/// The one figure at the right: the exponent, or what there is instead of a lobe.
+fn figure(material: &Material) -> String {
+    if material.emits() && !has_lobe(material) {
+        "light".to_owned()
+    } else if has_lobe(material) {
+        digits(material.roughness.exponent(), 4)
+    } else {
+        "diffuse".to_owned()
+    }
+}
+
+fn describe(material: &Material) -> String {
+    let triple = |c: [f32; 3]| c.map(|x| digits(f64::from(x), 3)).join("  ");
+    let mut lines =
+        vec![format!("Kd  {}", triple(material.kd)), format!("Ks  {}", triple(material.ks))];
+    if has_lobe(material) {
+        let r = material.roughness;
+        lines.push(format!("alpha {}   a_p {}", digits(r.alpha(), 4), digits(r.exponent(), 4)));
+    }
+    if material.emits() {
+        lines.push(format!("emits {}  W/(m\u{b2} sr)", triple(material.emission)));
+    }
+    lines.join("\n")
+}

@@ -1,0 +1,77 @@
+//! How the picture is shown: exposure, tone curve, camera, light or dark.
+
+use super::document::Document;
+use super::keys::{self, Action};
+use super::theme;
+use burnish::picture::Curve;
+use egui::{Slider, ThemePreference, Ui};
+
+pub(super) struct View;
+
+impl View {
+    /// Exposures that the slider reaches, in stops.
+    const STOPS: std::ops::RangeInclusive<f32> = -10.0..=10.0;
+
+    pub(super) fn ui(&mut self, ui: &mut Ui, document: &mut Document) -> Option<Action> {
+        let asked = theme::section(ui, "view", "View", None, true, |ui| {
+            exposure(ui, document);
+            curve(ui, document);
+            let asked = camera(ui);
+            appearance(ui);
+            asked
+        });
+        asked.flatten()
+    }
+
+    /// Changes the exposure by so many stops.
+    pub(super) fn expose(document: &mut Document, stops: f32) {
+        let exposure = document.tone.exposure + stops;
+        document.tone.exposure = exposure.clamp(*Self::STOPS.start(), *Self::STOPS.end());
+    }
+}
+
+fn exposure(ui: &mut Ui, document: &mut Document) {
+    ui.horizontal(|ui| {
+        let tip = "Shown is radiance times 2^stops. Keys: E and Shift-E. Double-click for 0.";
+        let label = ui.label("Exposure").on_hover_text(tip);
+        ui.spacing_mut().slider_width = ui.available_width() - 96.0;
+        let slider = Slider::new(&mut document.tone.exposure, View::STOPS)
+            .fixed_decimals(1)
+            .suffix(" stops");
+        let response = ui.add(slider).labelled_by(label.id);
+        if response.double_clicked() {
+            document.tone.exposure = 0.0;
+        }
+    });
+}
+
+fn curve(ui: &mut Ui, document: &mut Document) {
+    ui.horizontal(|ui| {
+        ui.label("Tone curve");
+        let chosen = Curve::ALL.iter().position(|&c| c == document.tone.curve).unwrap_or(0);
+        let entries = Curve::ALL.map(|c| (c.title(), String::from("Of the display only."), true));
+        if let Some(i) = theme::segmented(ui, chosen, &entries) {
+            document.tone.curve = Curve::ALL[i];
+        }
+    });
+}
+
+fn camera(ui: &mut Ui) -> Option<Action> {
+    const ACTIONS: [Action; 3] = [Action::Home, Action::Frame, Action::CopyCamera];
+    let tips = ACTIONS.map(|a| (keys::binding(a).name, keys::tooltip(ui.ctx(), a)));
+    theme::button_row(ui, tips.into_iter()).map(|i| ACTIONS[i])
+}
+
+fn appearance(ui: &mut Ui) {
+    const THEMES: [(ThemePreference, &str, &str); 3] = [
+        (ThemePreference::System, "System", "As the system has it."),
+        (ThemePreference::Dark, "Dark", "Light text on dark grey."),
+        (ThemePreference::Light, "Light", "Dark text on light grey."),
+    ];
+    let present = ui.ctx().options(|o| o.theme_preference);
+    let chosen = THEMES.iter().position(|t| t.0 == present).unwrap_or(0);
+    let entries = THEMES.map(|(_, words, tip)| (words, tip.to_owned(), true));
+    if let Some(i) = theme::segmented(ui, chosen, &entries) {
+        ui.ctx().set_theme(THEMES[i].0);
+    }
+}
