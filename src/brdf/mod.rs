@@ -1,8 +1,29 @@
-//! The BRDF: Kd/pi + D G F / (4 |wi.n| |wo.n|), over local directions.
+//! The BRDF that this project is about.
+//!
+//! `f(wi, wo) = Kd/pi + D(wm) G(wi, wo) F(wi.wm) / (4 |wi.n| |wo.n|)` in 1/sr, with
+//! `wm = normalize(wi + wo)`, Schlick's F, separable `G = G1(wi) G1(wo)`, and a [`Model`]'s D and
+//! G1. It is zero unless both directions are above the surface. Ks = (0, 0, 0) means that there
+//! is no specular lobe at all. The diffuse part is not reduced by F, so the albedo of a bright
+//! material can exceed 1 at grazing; nothing is silently "improved".
+//!
+//! All directions are local, unit, and leave the surface: z is the shading normal, `wo` points to
+//! the viewer, `wi` to the light. Formulas are written for single precision: nothing divides by a
+//! cosine, forms `1 - cos²`, or normalises a half vector before its angle is known.
 
+mod beckmann;
+mod fresnel;
+mod ggx;
+mod lobes;
+mod phong;
 mod roughness;
 
+pub use beckmann::Beckmann;
+pub use ggx::Ggx;
+pub use lobes::{Evaluation, LobeSample, Lobes, Terms};
+pub use phong::Phong;
 pub use roughness::{Roughness, RoughnessError};
+
+use crate::math::{Lane, V3};
 
 /// Which D and G.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -36,4 +57,79 @@ impl Model {
             Model::Ggx => "GGX",
         }
     }
+
+    /// Runs code that is generic over the microfacet model.
+    #[inline(always)]
+    pub fn visit<V: ModelVisitor>(self, visitor: V) -> V::Output {
+        match self {
+            Model::Phong => visitor.visit::<Phong>(),
+            Model::Beckmann => visitor.visit::<Beckmann>(),
+            Model::Ggx => visitor.visit::<Ggx>(),
+        }
+    }
+}
+
+/// Work that is compiled once a model.
+pub trait ModelVisitor {
+    /// What it returns.
+    type Output;
+    /// The work.
+    fn visit<M: Microfacet>(self) -> Self::Output;
+}
+
+/// The roughness of a lobe, in the two forms that the models use.
+#[derive(Clone, Copy, Debug)]
+pub struct Width<L = f32> {
+    /// Beckmann's and GGX's alpha.
+    pub alpha: L,
+    /// Phong's a_p.
+    pub exponent: L,
+}
+
+impl From<Roughness> for Width {
+    fn from(r: Roughness) -> Width {
+        Width { alpha: r.alpha() as f32, exponent: r.exponent() as f32 }
+    }
+}
+
+/// A microfacet model: distribution of normals, masking, and a sampler with its density.
+///
+/// `w` are unit directions with z > 0. A half vector `h` may have any length above 0.
+pub trait Microfacet: Copy + Send + Sync + 'static {
+    /// Which one it is.
+    const MODEL: Model;
+
+    /// D, the density of microfacet normals per area and solid angle, in 1/sr. The integral of
+    /// `D cos` over the hemisphere is 1. Zero for `h.z <= 0`.
+    fn d<L: Lane>(width: Width<L>, h: V3<L>) -> L;
+
+    /// `G1(w) / w.z`, as the seed has it: finite up to the horizon. The rational forms exceed
+    /// `1 / w.z` by up to 6.2e-5 of it just below their joint.
+    fn g1_over_cos<L: Lane>(width: Width<L>, w: V3<L>) -> L;
+
+    /// A microfacet normal for the viewer `wo` from two uniform numbers: unit, z >= 0.
+    fn sample_wm<L: Lane>(width: Width<L>, wo: V3<L>, u: [L; 2]) -> V3<L>;
+
+    /// The density in 1/sr of `wi` made by reflecting `wo` at [`Microfacet::sample_wm`]'s normal,
+    /// from `d` = D(wm) and `cos_over_dot` = wm.z / (wo.wm). What falls below the horizon is
+    /// missing from its integral.
+    fn pdf_wi<L: Lane>(width: Width<L>, wo: V3<L>, d: L, cos_over_dot: L) -> L;
+}
+
+/// Walter et al. 2007's rational G1 of Beckmann, divided by the cosine. Both Beckmann and Phong
+/// use it, at the same alpha. Where `a = cot / alpha >= 1.6` it is 1.
+#[inline(always)]
+fn rational_g1_over_cos<L: Lane>(alpha: L, w: V3<L>) -> L {
+    let b = alpha * (w.x * w.x + w.y * w.y).sqrt();
+    let a = w.z / b;
+    let numerator = L::splat(3.535) + L::splat(2.181) * a;
+    let denominator = L::splat(1.0) + a * (L::splat(2.276) + L::splat(2.577) * a);
+    let smooth = w.z.ge(L::splat(1.6) * b);
+    L::select(smooth, L::splat(1.0) / w.z, numerator / denominator / b)
+}
+
+/// `tan²` of the angle between `h` and z.
+#[inline(always)]
+fn tan2<L: Lane>(h: V3<L>) -> L {
+    (h.x * h.x + h.y * h.y) / (h.z * h.z)
 }

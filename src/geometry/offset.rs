@@ -2,7 +2,7 @@
 use crate::math::V3;
 
 /// Half an ulp at 1: the relative error of one rounding.
-pub const GAMMA: f32 = f32::EPSILON * 0.5;
+pub(super) const GAMMA: f32 = f32::EPSILON * 0.5;
 
 /// An origin off its surface.
 #[derive(Clone, Copy, Debug)]

@@ -26,12 +26,12 @@ pub(super) fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
 }
 
 #[derive(Clone, Copy, Debug)]
-pub struct Avx2(__m256);
+pub(super) struct Avx2(__m256);
 #[derive(Clone, Copy, Debug)]
-pub struct Avx2Bits(__m256i);
+pub(super) struct Avx2Bits(__m256i);
 /// All ones or all zeros in each lane.
 #[derive(Clone, Copy, Debug)]
-pub struct Avx2Mask(__m256);
+pub(super) struct Avx2Mask(__m256);
 
 macro_rules! binary {
     ($type:ident: $($op:ident $method:ident $intrinsic:ident;)*) => {$(
