@@ -157,11 +157,11 @@ impl App {
         let mut asked = Vec::new();
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             Frame::new().inner_margin(Margin::same(16)).show(ui, |ui| {
+                ui.set_max_width(theme::PANEL - 32.0);
                 let Some(document) = &mut self.document else { return };
                 asked.extend(self.controls.ui(ui, document));
-                theme::rule(ui);
-                asked.extend(self.view.ui(ui, document));
                 self.materials.ui(ui, document);
+                asked.extend(self.view.ui(ui, document));
                 self.report.ui(ui, document);
             });
         });

@@ -89,7 +89,8 @@ impl Canvas {
         if let (Some(texture), Some(document)) = (&mut self.texture, document) {
             let pixels_per_point = ui.pixels_per_point();
             let size = vec2(texture.size()[0] as f32, texture.size()[1] as f32);
-            let fit = (space.size() / size).min_elem() * pixels_per_point;
+            let room = (space.size() - Vec2::splat(2.0 * theme::GROUP)).max(Vec2::splat(1.0));
+            let fit = (room / size).min_elem() * pixels_per_point;
             let times = match self.zoom {
                 Zoom::Fit => fit,
                 Zoom::Times(times) => times,

@@ -2,7 +2,7 @@
 
 use super::document::{Document, Shown};
 use super::keys::{self, Action};
-use super::theme::{self, digits};
+use super::theme::{self, Weight, digits};
 use burnish::brdf::{Model, Roughness};
 use burnish::progressive::Session;
 use egui::{Button, DragValue, RichText, Slider, Ui};
@@ -24,7 +24,7 @@ impl Controls {
 fn model(ui: &mut Ui, document: &Document) -> Option<Action> {
     let chosen = Model::ALL.iter().position(|&m| m == document.params.model).unwrap_or(0);
     let entries = Model::ALL.map(|m| (m.title(), keys::tooltip(ui.ctx(), Action::Model(m)), true));
-    theme::segmented(ui, chosen, &entries).map(|i| Action::Model(Model::ALL[i]))
+    theme::segmented(ui, Weight::Strong, chosen, &entries).map(|i| Action::Model(Model::ALL[i]))
 }
 
 fn roughness(ui: &mut Ui, document: &mut Document) {
@@ -64,19 +64,19 @@ fn roughness(ui: &mut Ui, document: &mut Document) {
     if ui.add(slider).labelled_by(label.id).changed() {
         wanted = Roughness::from_alpha(alpha).ok();
     }
-    ui.horizontal(|ui| {
+    ui.columns_const(|[left, right]| {
         let tip = "Roughness alpha, no unit, 0.0001 (mirror-like) to 1 (dull). Drag or type.";
         let mut alpha = value.alpha();
         let field = number(&mut alpha).range(low..=high).speed(0.01 * value.alpha());
-        if named(ui, "alpha", tip, field) {
+        if named(left, "alpha", tip, field) {
             wanted = Roughness::from_alpha(alpha).ok();
         }
-        ui.add_space(theme::GAP);
         let tip = "Phong exponent a_p, no unit, 0 (dull) to 2e8 - 2 (mirror-like). Drag or type.";
         let [low, high] = Roughness::EXPONENT;
         let mut exponent = value.exponent();
-        let field = number(&mut exponent).range(low..=high).speed(0.01 * (value.exponent() + 2.0));
-        if named(ui, "a_p", tip, field) {
+        let speed = 0.01 * (value.exponent() + 2.0);
+        let field = number(&mut exponent).range(low..=high).speed(speed);
+        if named(right, "a_p", tip, field) {
             wanted = Roughness::from_exponent(exponent).ok();
         }
     });
@@ -97,47 +97,48 @@ fn number(value: &mut f64) -> DragValue<'_> {
         .custom_formatter(|x, _| digits(x, 4))
 }
 
-/// A field under a visible name; whether it was changed.
+/// A field beside its name; whether it was changed.
 fn named(ui: &mut Ui, name: &str, tip: &str, field: DragValue<'_>) -> bool {
-    let label = ui.weak(name).on_hover_text(tip);
-    let size = egui::vec2(88.0, ui.spacing().interact_size.y);
-    ui.add_sized(size, field.min_size(size)).labelled_by(label.id).on_hover_text(tip).changed()
+    ui.horizontal(|ui| {
+        let label = ui.weak(name).on_hover_text(tip);
+        let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+        ui.add_sized(size, field.min_size(size)).labelled_by(label.id).on_hover_text(tip).changed()
+    })
+    .inner
 }
 
 /// Whether the roughness is that of all materials or of the picked one.
 fn applies_to(ui: &mut Ui, document: &mut Document) {
-    ui.weak("Applies to");
     let picked = document.picked_material().map(|m| m.name.clone());
     let (words, tip) = match &picked {
         Some(name) => (name.as_str(), format!("Only \"{name}\", the material picked.")),
         None => ("Picked one", "Click a surface in the picture to pick its material.".to_owned()),
     };
     let all = "Every material that has a specular lobe.".to_owned();
-    let entries = [("All materials", all, true), (words, tip, picked.is_some())];
+    let entries = [("All", all, true), (words, tip, picked.is_some())];
     let chosen = usize::from(document.only_picked);
-    if let Some(pressed) = theme::segmented(ui, chosen, &entries) {
+    let pressed = theme::field(ui, "Applies to", "What the roughness is the roughness of.", |ui, _| {
+        theme::segmented(ui, Weight::Quiet, chosen, &entries)
+    });
+    if let Some(pressed) = pressed {
         document.only_picked = pressed == 1;
     }
 }
 
 fn passes(ui: &mut Ui, document: &mut Document) {
-    ui.horizontal(|ui| {
-        let tip = "Tracing stops after this many passes; each adds one sample to every pixel. \
-                   1 to 4294967296. A higher limit goes on where it stopped.";
-        let label = ui.label("Pass limit").on_hover_text(tip);
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let mut limit = document.limit;
-            let size = egui::vec2(112.0, ui.spacing().interact_size.y);
-            let field = DragValue::new(&mut limit)
-                .range(1..=Session::MAX_PASSES)
-                .speed((document.limit as f64 * 0.01).max(0.2))
-                .update_while_editing(false)
-                .min_size(size);
-            let field = ui.add_sized(size, field).labelled_by(label.id).on_hover_text(tip);
-            if field.changed() {
-                document.set_limit(limit);
-            }
-        });
+    let tip = "Tracing stops after this many passes; each adds one sample to every pixel. \
+               1 to 4294967296. A higher limit goes on where it stopped.";
+    theme::field(ui, "Pass limit", tip, |ui, label| {
+        let mut limit = document.limit;
+        let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+        let field = DragValue::new(&mut limit)
+            .range(1..=Session::MAX_PASSES)
+            .speed((document.limit as f64 * 0.01).max(0.2))
+            .update_while_editing(false)
+            .min_size(size);
+        if ui.add_sized(size, field).labelled_by(label).on_hover_text(tip).changed() {
+            document.set_limit(limit);
+        }
     });
 }
 

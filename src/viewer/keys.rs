@@ -116,7 +116,7 @@ pub(super) const TABLE: &[Binding] = &[
     Binding {
         action: Action::CopyCamera,
         keys: &[plain(Key::V)],
-        name: "Copy camera",
+        name: "Copy",
         tip: "Copies the camera as a line for a .scn file.",
     },
     Binding {

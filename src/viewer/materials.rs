@@ -9,8 +9,11 @@ pub(super) struct Materials;
 
 impl Materials {
     pub(super) fn ui(&mut self, ui: &mut Ui, document: &mut Document) {
-        let count = RichText::new(document.params.materials.len().to_string());
+        let count = document.params.materials.len().to_string();
+        let count = theme::Badge { text: count, warns: false };
         theme::section(ui, "materials", "Materials", Some(count), true, |ui| {
+            ui.spacing_mut().item_spacing.y = 2.0;
+            header(ui);
             let mut clicked = None;
             let chosen = document.picked.filter(|_| document.only_picked);
             for (id, material) in document.params.materials.iter().enumerate() {
@@ -25,6 +28,18 @@ impl Materials {
             }
         });
     }
+}
+
+/// What the columns are.
+fn header(ui: &mut Ui) {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        ui.label(RichText::new("Kd Ks").small().weak());
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            ui.add_space(theme::GAP);
+            ui.label(RichText::new("a_p").small().weak());
+        });
+    });
 }
 
 fn row(ui: &mut Ui, material: &Material, chosen: bool) -> Response {

@@ -12,7 +12,7 @@ impl ReportPanel {
         let warnings = &document.report.warnings;
         let badge = (!warnings.is_empty()).then(|| {
             let plural = if warnings.len() == 1 { "" } else { "s" };
-            RichText::new(format!("{} warning{plural}", warnings.len()))
+            theme::Badge { text: format!("{} warning{plural}", warnings.len()), warns: true }
         });
         // The number keeps each scene's section apart: a new scene's warnings are seen once.
         let id = ("scene", document.number);

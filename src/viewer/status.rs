@@ -30,6 +30,7 @@ impl Status {
                 progress(ui, document, facts);
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     scene(ui, document);
+                    warnings(ui, document);
                     if let Some(hover) = facts.hover {
                         pixel(ui, hover);
                     }
@@ -92,6 +93,16 @@ fn scene(ui: &mut Ui, document: &Document) {
     let [w, h] = document.params.size;
     figure(ui, format!("{w} x {h}"), "Width and height of the picture in pixels.");
     ui.add(Label::new(document.params.scene.name()).truncate());
+}
+
+fn warnings(ui: &mut Ui, document: &Document) {
+    let warnings = &document.report.warnings;
+    let Some(first) = warnings.first() else { return };
+    let plural = if warnings.len() == 1 { "" } else { "s" };
+    let text = RichText::new(format!("{} warning{plural}", warnings.len()));
+    let colour = ui.visuals().warn_fg_color;
+    let tip = format!("{first}\nAll of them are under \"Scene\" in the side panel.");
+    ui.add(Label::new(text.color(colour))).on_hover_text(tip);
 }
 
 fn pixel(ui: &mut Ui, hover: Hover) {

@@ -2,7 +2,7 @@
 
 use egui::collapsing_header::CollapsingState;
 use egui::{
-    Button, Color32, Context, CornerRadius, FontFamily, FontId, Margin, Rect, Response, RichText,
+    Button, Color32, Context, CornerRadius, FontFamily, FontId, Margin, Rect, Response,
     Role, Sense, Shape, Stroke, StrokeKind, Style, TextStyle, Ui, Vec2, Visuals, WidgetInfo, pos2,
     vec2,
 };
@@ -13,7 +13,9 @@ pub(super) const PANEL: f32 = 304.0;
 pub(super) const GAP: f32 = 8.0;
 pub(super) const GROUP: f32 = 16.0;
 const RADIUS: CornerRadius = CornerRadius::same(4);
+/// Height of a line, and width of the column of names.
 const ROW: f32 = 24.0;
+const LABELS: f32 = 72.0;
 
 /// The one accent, a polished bronze; on dark ground and on light.
 fn accent(dark: bool) -> Color32 {
@@ -25,7 +27,12 @@ pub(super) fn surround(visuals: &Visuals) -> Color32 {
     Color32::from_gray(if visuals.dark_mode { 0x50 } else { 0x9a })
 }
 
-/// For warnings and counts.
+/// For what is beside the point.
+fn weak(ui: &Ui) -> Color32 {
+    ui.visuals().weak_text_color()
+}
+
+/// For warnings.
 pub(super) fn accent_of(visuals: &Visuals) -> Color32 {
     accent(visuals.dark_mode)
 }
@@ -117,10 +124,20 @@ fn visuals(dark: bool) -> Visuals {
     v
 }
 
+/// How much the chosen one of a row of buttons stands out.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Weight {
+    /// In the accent colour: for the one choice that matters most.
+    Strong,
+    /// A lighter grey.
+    Quiet,
+}
+
 /// A row of buttons of which one is chosen, over the whole width. Each entry: its words, its
 /// tooltip, whether it can be chosen. Returns the one that was pressed.
 pub(super) fn segmented(
     ui: &mut Ui,
+    weight: Weight,
     chosen: usize,
     entries: &[(&str, String, bool)],
 ) -> Option<usize> {
@@ -129,6 +146,12 @@ pub(super) fn segmented(
     let width = (ui.available_width() - (count - 1.0)) / count;
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 1.0;
+        ui.spacing_mut().button_padding.x = 4.0;
+        if weight == Weight::Quiet {
+            let (ground, text) = quiet(ui.visuals());
+            let selection = &mut ui.visuals_mut().selection;
+            (selection.bg_fill, selection.stroke.color) = (ground, text);
+        }
         for (i, (words, tip, enabled)) in entries.iter().enumerate() {
             let round = |on: bool| if on { 4 } else { 0 };
             let (first, last) = (round(i == 0), round(i + 1 == entries.len()));
@@ -138,10 +161,11 @@ pub(super) fn segmented(
                 .corner_radius(radius)
                 .min_size(vec2(width, ROW))
                 .truncate();
-            let size = vec2(width, ROW);
             let layout = egui::Layout::centered_and_justified(egui::Direction::LeftToRight);
             let response = ui
-                .allocate_ui_with_layout(size, layout, |ui| ui.add_enabled(*enabled, button))
+                .allocate_ui_with_layout(vec2(width, ROW), layout, |ui| {
+                    ui.add_enabled(*enabled, button)
+                })
                 .inner
                 .on_hover_text(tip)
                 .on_disabled_hover_text(tip);
@@ -151,6 +175,31 @@ pub(super) fn segmented(
         }
     });
     pressed
+}
+
+/// Ground and text of a choice that is not the accent's.
+fn quiet(visuals: &Visuals) -> (Color32, Color32) {
+    let grey = Color32::from_gray;
+    if visuals.dark_mode { (grey(0x5a), grey(0xff)) } else { (grey(0xb8), grey(0x00)) }
+}
+
+/// A line of the panel: a name in a column of its own, and what belongs to it.
+pub(super) fn field<R>(
+    ui: &mut Ui,
+    name: &str,
+    tip: &str,
+    body: impl FnOnce(&mut Ui, egui::Id) -> R,
+) -> R {
+    ui.horizontal(|ui| {
+        let left = ui.cursor().left();
+        let mut label = ui.label(name);
+        if !tip.is_empty() {
+            label = label.on_hover_text(tip);
+        }
+        ui.add_space((LABELS - (ui.cursor().left() - left)).max(0.0));
+        body(ui, label.id)
+    })
+    .inner
 }
 
 /// Buttons of equal width over the whole width.
@@ -173,13 +222,20 @@ pub(super) fn button_row<'a>(
     pressed
 }
 
+/// A word at the right of a section's header.
+pub(super) struct Badge {
+    pub(super) text: String,
+    /// In the colour of warnings.
+    pub(super) warns: bool,
+}
+
 /// A section of the side panel under a header that opens and closes it, with a count or a word
 /// at its right.
 pub(super) fn section<R>(
     ui: &mut Ui,
     id: impl std::hash::Hash + std::fmt::Debug,
     title: &str,
-    badge: Option<RichText>,
+    badge: Option<Badge>,
     open: bool,
     body: impl FnOnce(&mut Ui) -> R,
 ) -> Option<R> {
@@ -190,7 +246,10 @@ pub(super) fn section<R>(
         state.toggle(ui);
     }
     let openness = state.openness(ui.ctx());
-    let colour = ui.style().interact(&response).text_color();
+    let colour = match response.hovered() {
+        true => accent_of(ui.visuals()),
+        false => ui.visuals().strong_text_color(),
+    };
     let painter = ui.painter();
     arrow(painter, pos2(rect.left() + 5.0, rect.center().y), openness, colour);
     let font = TextStyle::Body.resolve(ui.style());
@@ -199,8 +258,8 @@ pub(super) fn section<R>(
     if let Some(badge) = &badge {
         let font = TextStyle::Monospace.resolve(ui.style());
         let at = rect.right_center();
-        let colour = accent_of(ui.visuals());
-        painter.text(at, egui::Align2::RIGHT_CENTER, badge.text(), font, colour);
+        let colour = if badge.warns { accent_of(ui.visuals()) } else { weak(ui) };
+        painter.text(at, egui::Align2::RIGHT_CENTER, &badge.text, font, colour);
     }
     if response.has_focus() {
         focus_frame(ui, rect);
@@ -209,12 +268,10 @@ pub(super) fn section<R>(
     ui.ctx().accesskit_node_builder(response.id, |node| {
         node.set_expanded(state.is_open());
         if let Some(badge) = &badge {
-            node.set_value(badge.text());
+            node.set_value(badge.text.as_str());
         }
     });
-    let result = state.show_body_unindented(ui, body).map(|r| r.inner);
-    ui.add_space(4.0);
-    result
+    state.show_body_unindented(ui, body).map(|r| r.inner)
 }
 
 fn arrow(painter: &egui::Painter, centre: egui::Pos2, openness: f32, colour: Color32) {

@@ -2,7 +2,7 @@
 
 use super::document::Document;
 use super::keys::{self, Action};
-use super::theme;
+use super::theme::{self, Weight};
 use burnish::picture::Curve;
 use egui::{Slider, ThemePreference, Ui};
 
@@ -31,47 +31,59 @@ impl View {
 }
 
 fn exposure(ui: &mut Ui, document: &mut Document) {
-    ui.horizontal(|ui| {
-        let tip = "Shown is radiance times 2^stops. Keys: E and Shift-E. Double-click for 0.";
-        let label = ui.label("Exposure").on_hover_text(tip);
-        ui.spacing_mut().slider_width = ui.available_width() - 96.0;
+    let tip = "Shown is radiance times 2^stops. Keys: E and Shift-E. Double-click for 0.";
+    theme::field(ui, "Exposure", tip, |ui, label| {
+        ui.spacing_mut().slider_width = ui.available_width() - 80.0;
+        ui.spacing_mut().interact_size.x = 72.0;
         let slider = Slider::new(&mut document.tone.exposure, View::STOPS)
             .fixed_decimals(1)
+            .trailing_fill(false)
             .suffix(" stops");
-        let response = ui.add(slider).labelled_by(label.id);
-        if response.double_clicked() {
+        if ui.add(slider).labelled_by(label).double_clicked() {
             document.tone.exposure = 0.0;
         }
     });
 }
 
 fn curve(ui: &mut Ui, document: &mut Document) {
-    ui.horizontal(|ui| {
-        ui.label("Tone curve");
+    let tip = "How radiance beyond the screen's white is shown. Of the display and PNG only.";
+    theme::field(ui, "Curve", tip, |ui, _| {
         let chosen = Curve::ALL.iter().position(|&c| c == document.tone.curve).unwrap_or(0);
-        let entries = Curve::ALL.map(|c| (c.title(), String::from("Of the display only."), true));
-        if let Some(i) = theme::segmented(ui, chosen, &entries) {
+        let entries = Curve::ALL.map(|c| (c.title(), describe(c).to_owned(), true));
+        if let Some(i) = theme::segmented(ui, Weight::Quiet, chosen, &entries) {
             document.tone.curve = Curve::ALL[i];
         }
     });
 }
 
+fn describe(curve: Curve) -> &'static str {
+    match curve {
+        Curve::Srgb => "min(x, 1): what is too bright is clipped.",
+        Curve::Reinhard => "x / (1 + x), each channel: never clips, lowers contrast.",
+        Curve::Filmic => "A film-like curve with a toe and a shoulder.",
+    }
+}
+
 fn camera(ui: &mut Ui) -> Option<Action> {
     const ACTIONS: [Action; 3] = [Action::Home, Action::Frame, Action::CopyCamera];
     let tips = ACTIONS.map(|a| (keys::binding(a).name, keys::tooltip(ui.ctx(), a)));
-    theme::button_row(ui, tips.into_iter()).map(|i| ACTIONS[i])
+    theme::field(ui, "Camera", "", |ui, _| {
+        theme::button_row(ui, tips.into_iter()).map(|i| ACTIONS[i])
+    })
 }
 
 fn appearance(ui: &mut Ui) {
     const THEMES: [(ThemePreference, &str, &str); 3] = [
-        (ThemePreference::System, "System", "As the system has it."),
+        (ThemePreference::System, "System", "Light or dark as the system is."),
         (ThemePreference::Dark, "Dark", "Light text on dark grey."),
         (ThemePreference::Light, "Light", "Dark text on light grey."),
     ];
     let present = ui.ctx().options(|o| o.theme_preference);
     let chosen = THEMES.iter().position(|t| t.0 == present).unwrap_or(0);
     let entries = THEMES.map(|(_, words, tip)| (words, tip.to_owned(), true));
-    if let Some(i) = theme::segmented(ui, chosen, &entries) {
-        ui.ctx().set_theme(THEMES[i].0);
-    }
+    theme::field(ui, "Window", "", |ui, _| {
+        if let Some(i) = theme::segmented(ui, Weight::Quiet, chosen, &entries) {
+            ui.ctx().set_theme(THEMES[i].0);
+        }
+    });
 }
