@@ -1,5 +1,6 @@
 //! burnish: a progressive path tracer for microfacet BRDFs.
 pub mod brdf;
+pub mod film;
 pub mod geometry;
 pub mod math;
 pub mod picture;

@@ -57,7 +57,11 @@ fn every_oracle_row_is_met() {
         let get = |k: &str| number_of(k).unwrap();
         let m = model(row["model"]);
         let at = |p: &str| {
-            V3::new(get(&format!("{p}_x")) as f32, get(&format!("{p}_y")) as f32, get(&format!("{p}_z")) as f32)
+            V3::new(
+                get(&format!("{p}_x")) as f32,
+                get(&format!("{p}_y")) as f32,
+                get(&format!("{p}_z")) as f32,
+            )
         };
         let (kd, ks) = (get("Kd") as f32, get("Ks") as f32);
         // A param of 1e-4 is one f32 rounding below the range.
@@ -65,12 +69,8 @@ fn every_oracle_row_is_met() {
         let lobes = lobes(kd, ks, width(m, parameter));
         let a = m.visit(Ask { lobes, wo: at("wo"), wi: at("wi") });
         let pdf_specular = if m == Model::Phong { "pdf_D" } else { "pdf_vndf" };
-        let mut values = vec![
-            ("D", a.terms.d),
-            ("G1i", a.terms.g1i),
-            ("G1o", a.terms.g1o),
-            ("G", a.terms.g),
-        ];
+        let mut values =
+            vec![("D", a.terms.d), ("G1i", a.terms.g1i), ("G1o", a.terms.g1o), ("G", a.terms.g)];
         if ks > 0.0 {
             values.extend([
                 ("F", a.terms.fresnel),
@@ -100,12 +100,19 @@ fn every_oracle_row_is_met() {
             };
             checks += 1;
             if !ok {
-                failures.push(format!("row {number} {line:.60} {name}: {got:e}, not {expected:e} +- {tolerance:e}"));
+                failures.push(format!(
+                    "row {number} {line:.60} {name}: {got:e}, not {expected:e} +- {tolerance:e}"
+                ));
             }
         }
     }
     assert!(checks > 15_000, "{checks}");
-    assert!(failures.is_empty(), "{} of {checks}:\n{}", failures.len(), failures[..failures.len().min(20)].join("\n"));
+    assert!(
+        failures.is_empty(),
+        "{} of {checks}:\n{}",
+        failures.len(),
+        failures[..failures.len().min(20)].join("\n")
+    );
 }
 
 fn random_lobes(r: &mut Random, m: Model) -> Lobes {
@@ -176,7 +183,11 @@ fn extreme_random_numbers_give_no_nonsense() {
     for m in Model::ALL {
         for alpha in [1e-4, 1e-3, 0.01, 0.1, 0.5, 1.0] {
             for z in [1.0f32, 0.999_999_9, 0.9, 0.1, 1e-3, 1e-5, 1e-7, 1e-12] {
-                let wo = V3::new((1.0 - z * z).max(0.0).sqrt() * 0.6, -(1.0 - z * z).max(0.0).sqrt() * 0.8, z);
+                let wo = V3::new(
+                    (1.0 - z * z).max(0.0).sqrt() * 0.6,
+                    -(1.0 - z * z).max(0.0).sqrt() * 0.8,
+                    z,
+                );
                 for (kd, ks) in [(0.5, 0.5), (0.0, 1.0), (0.5, 0.0), (0.0, 0.0)] {
                     for choice in edges {
                         for u in edges {
@@ -214,7 +225,8 @@ fn empty_lobes_give_exactly_nothing() {
 
 fn m_visit_black(w: Width, wo: V3, wi: V3) -> (f32, f32) {
     let a = Model::Beckmann.visit(Ask { lobes: lobes(0.0, 0.0, w), wo, wi });
-    let s = Model::Beckmann.visit(Sample { lobes: lobes(0.0, 0.0, w), wo, choice: 0.5, u: [0.3, 0.7] });
+    let s =
+        Model::Beckmann.visit(Sample { lobes: lobes(0.0, 0.0, w), wo, choice: 0.5, u: [0.3, 0.7] });
     (a.f, s.1)
 }
 

@@ -115,11 +115,8 @@ impl<L: Lane> Lobes<L> {
         let h2 = h.length2();
         let d = M::d(self.width, V3::select(take_specular, wm, h));
         let away = wo - wm;
-        let one_minus_d = L::select(
-            take_specular,
-            away.length2() * L::splat(0.5),
-            one_minus_dot(wo, wi, h2),
-        );
+        let one_minus_d =
+            L::select(take_specular, away.length2() * L::splat(0.5), one_minus_dot(wo, wi, h2));
         let cos_over_dot = L::select(take_specular, wm.z / dot, (h.z + h.z) / h2);
         let facing = dot.gt(L::splat(0.0)) | !take_specular;
         let weight = schlick_weight(one_minus_d);

@@ -46,7 +46,12 @@ impl Roughness {
     pub fn from_exponent(exponent: f64) -> Result<Roughness, RoughnessError> {
         let [min, max] = Self::EXPONENT;
         if !(min..=max).contains(&exponent) {
-            return Err(RoughnessError { quantity: "Phong exponent a_p", value: exponent, min, max });
+            return Err(RoughnessError {
+                quantity: "Phong exponent a_p",
+                value: exponent,
+                min,
+                max,
+            });
         }
         Ok(Roughness { alpha: (2.0 / (exponent + 2.0)).sqrt(), exponent })
     }

@@ -1,7 +1,7 @@
 //! The exact cylinder with flat caps.
 
 use super::SurfacePoint;
-use super::offset::GAMMA;
+use super::offset::ROUNDING;
 use crate::math::{Frame, V3};
 
 /// A solid cylinder: base point, unit axis, height, radius.
@@ -30,7 +30,7 @@ impl Cylinder {
         self.frame.n
     }
 
-    /// Smallest distance t in (0, t_max) at which `o + t d` is on the surface.
+    /// Smallest distance t in (0, t_max] at which `o + t d` is on the surface.
     #[inline]
     pub fn intersect(&self, o: V3, d: V3, t_max: f32) -> Option<f32> {
         let o = self.frame.to_local(o - self.base);
@@ -65,7 +65,7 @@ impl Cylinder {
         if enter > leave {
             return None;
         }
-        [enter, leave].into_iter().find(|&t| t > 0.0 && t < t_max)
+        [enter, leave].into_iter().find(|&t| t > 0.0 && t <= t_max)
     }
 
     /// The surface nearest to `p`, which is on it but for rounding.
@@ -89,7 +89,7 @@ impl Cylinder {
         let n = self.frame.to_world(n).normalize();
         let p = self.base + self.frame.to_world(q);
         let size = self.radius + self.radius + self.height;
-        let error = (self.base.abs() + V3::splat(size)) * (6.0 * GAMMA);
+        let error = (self.base.abs() + V3::splat(size)) * (12.0 * ROUNDING);
         SurfacePoint { p, ng: n, ns: n, error }
     }
 

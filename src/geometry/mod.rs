@@ -14,9 +14,9 @@ mod triangle;
 
 pub use bvh::Bvh;
 pub use cylinder::Cylinder;
-pub use offset::{Origin, offset_origin};
+pub use offset::offset_origin;
 pub use sphere::Sphere;
-pub use traverse::Ray;
+pub use traverse::{Ray, Stack};
 
 use crate::math::V3;
 use std::ops::Range;
@@ -120,6 +120,11 @@ impl Geometry {
     #[inline]
     pub fn corners(&self, triangle: usize) -> [V3; 3] {
         self.triangles[triangle].map(|i| self.positions[i as usize])
+    }
+    /// The point of a triangle at barycentric weights `b` of its second and third vertex.
+    #[inline]
+    pub fn triangle_surface(&self, triangle: usize, b: [f32; 2]) -> SurfacePoint {
+        triangle::surface(self, triangle, b)
     }
     /// The surface at a hit of `ray`.
     #[inline]

@@ -1,7 +1,7 @@
 //! The exact sphere.
 
 use super::SurfacePoint;
-use super::offset::GAMMA;
+use super::offset::ROUNDING;
 use crate::math::V3;
 
 /// Centre and radius.
@@ -14,7 +14,7 @@ pub struct Sphere {
 }
 
 impl Sphere {
-    /// Smallest distance t in (0, t_max) at which `o + t d` is on the sphere.
+    /// Smallest distance t in (0, t_max] at which `o + t d` is on the sphere.
     ///
     /// The discriminant comes from the distance between centre and line, not from b² - 4ac, which
     /// cancels for small or distant spheres (Haines, Günther and Akenine-Möller, "Precision
@@ -35,7 +35,7 @@ impl Sphere {
         let distance = f.length();
         let c = (distance - self.radius) * (distance + self.radius);
         let (t0, t1) = if b > 0.0 { (c / q, q / a) } else { (q / a, c / q) };
-        [t0, t1].into_iter().find(|&t| t > 0.0 && t < t_max)
+        [t0, t1].into_iter().find(|&t| t > 0.0 && t <= t_max)
     }
 
     /// The surface nearest to `p`.
@@ -43,7 +43,7 @@ impl Sphere {
     pub fn surface(&self, p: V3) -> SurfacePoint {
         let n = (p - self.centre).normalize();
         let p = self.centre + n * self.radius;
-        let error = (self.centre.abs() + V3::splat(self.radius)) * (4.0 * GAMMA);
+        let error = (self.centre.abs() + V3::splat(self.radius)) * (8.0 * ROUNDING);
         SurfacePoint { p, ng: n, ns: n, error }
     }
 

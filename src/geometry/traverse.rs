@@ -1,5 +1,11 @@
-//! Traversal.
-use crate::math::V3;
+//! One ray through the tree: the nearest hit, or whether there is any.
+
+use super::bvh::{Bvh, Child, Node, child};
+use super::offset::ROUNDING;
+use super::triangle::{self, Sheared};
+use super::{Geometry, Hit, Kind};
+use crate::math::lanes::{Kernel, Wide, dispatch};
+use crate::math::{Mask, V3};
 
 /// A ray `o + t d`; `d` need not be unit.
 #[derive(Clone, Copy, Debug)]
@@ -15,5 +21,258 @@ impl Ray {
     #[inline]
     pub fn at(&self, t: f32) -> V3 {
         self.o + self.d * t
+    }
+}
+
+/// Subtrees still to be visited. Made once a worker by [`Bvh::stack`] and used for all its rays.
+#[derive(Clone, Debug)]
+pub struct Stack(Box<[(f32, u32)]>);
+
+impl Bvh {
+    /// A stack deep enough for this tree.
+    pub fn stack(&self) -> Stack {
+        Stack(vec![(0.0, 0); 7 * self.depth() + 9].into())
+    }
+
+    /// The nearest hit at `0 < t <= t_max`; of equally near ones the lowest primitive. A ray with
+    /// a NaN, or without a direction, hits nothing.
+    #[inline]
+    pub fn closest(
+        &self,
+        geometry: &Geometry,
+        ray: &Ray,
+        t_max: f32,
+        stack: &mut Stack,
+    ) -> Option<Hit> {
+        dispatch(self.isa, Closest { bvh: self, geometry, ray, t_max, stack })
+    }
+
+    /// Whether anything is hit at `0 < t <= t_max`.
+    #[inline]
+    pub fn occluded(&self, geometry: &Geometry, ray: &Ray, t_max: f32, stack: &mut Stack) -> bool {
+        dispatch(self.isa, Occluded { bvh: self, geometry, ray, t_max, stack })
+    }
+}
+
+/// A ray prepared for box tests.
+///
+/// Boxes are met as if grown by a margin that covers every rounding of the box test and of the
+/// triangle test's shear, so that no box is missed whose triangle would be hit.
+struct Slabs<W> {
+    /// Row of the near plane of each axis; the far one is its pair.
+    near: [usize; 3],
+    near_origin: [W; 3],
+    far_origin: [W; 3],
+    inverse: [W; 3],
+}
+
+impl<W: Wide> Slabs<W> {
+    #[inline(always)]
+    fn new(ray: &Ray) -> Slabs<W> {
+        let (o, d) = ([ray.o.x, ray.o.y, ray.o.z], [ray.d.x, ray.d.y, ray.d.z]);
+        // Coordinates of the scene are within [-1, 1].
+        let margin = 16.0 * ROUNDING * (ray.o.abs().max_component() + 1.0);
+        let fastest = ray.d.abs().max_component();
+        let mut slabs = Slabs {
+            near: [0; 3],
+            near_origin: [W::splat(0.0); 3],
+            far_origin: [W::splat(0.0); 3],
+            inverse: [W::splat(0.0); 3],
+        };
+        for axis in 0..3 {
+            // A component too small to matter over the length of the scene still gives a finite
+            // inverse, so that no 0 * infinity arises.
+            let least = fastest * 1e-18;
+            let along = if d[axis].abs() < least { least.copysign(d[axis]) } else { d[axis] };
+            let outwards = margin.copysign(along);
+            slabs.near[axis] = 2 * axis + (along < 0.0) as usize;
+            slabs.near_origin[axis] = W::splat(o[axis] + outwards);
+            slabs.far_origin[axis] = W::splat(o[axis] - outwards);
+            slabs.inverse[axis] = W::splat(1.0 / along);
+        }
+        slabs
+    }
+
+    /// Entry distances, and lanes whose box is met before `t_max`.
+    #[inline(always)]
+    fn test(&self, node: &Node, t_max: f32) -> (W, u32) {
+        let near = |axis: usize| {
+            (W::load(&node.bounds[self.near[axis]]) - self.near_origin[axis]) * self.inverse[axis]
+        };
+        let far = |axis: usize| {
+            (W::load(&node.bounds[self.near[axis] ^ 1]) - self.far_origin[axis])
+                * self.inverse[axis]
+        };
+        let enter = near(0).max(near(1)).max(near(2)).max(W::splat(0.0));
+        let leave = far(0).min(far(1)).min(far(2)).min(W::splat(t_max));
+        (enter, enter.le(leave).bits())
+    }
+}
+
+fn is_traceable(ray: &Ray) -> bool {
+    let fastest = ray.d.abs().max_component();
+    let finite = |v: V3| v.x.is_finite() && v.y.is_finite() && v.z.is_finite();
+    finite(ray.o) && finite(ray.d) && fastest > 1e-18 && fastest < 1e18
+}
+
+struct Closest<'a> {
+    bvh: &'a Bvh,
+    geometry: &'a Geometry,
+    ray: &'a Ray,
+    t_max: f32,
+    stack: &'a mut Stack,
+}
+
+impl Kernel for Closest<'_> {
+    type Output = Option<Hit>;
+
+    #[inline(always)]
+    fn run<W: Wide>(self) -> Option<Hit> {
+        let mut word = self.bvh.root?;
+        if !is_traceable(self.ray) {
+            return None;
+        }
+        let slabs = Slabs::<W>::new(self.ray);
+        let sheared = Sheared::new(self.ray.o, self.ray.d);
+        let stack = &mut self.stack.0;
+        let mut top = 0;
+        let mut best = Hit { t: self.t_max, primitive: u32::MAX, b: [0.0; 2] };
+        loop {
+            match child(word) {
+                Child::Node(index) => {
+                    let node = &self.bvh.nodes[index];
+                    let (enter, mut mask) = slabs.test(node, best.t);
+                    if mask != 0 {
+                        let first = mask.trailing_zeros() as usize;
+                        mask &= mask - 1;
+                        if mask == 0 {
+                            word = node.child[first];
+                            continue;
+                        }
+                        let enter = enter.store();
+                        // The nearest goes on, the others wait, the farthest lowest.
+                        let base = top;
+                        let mut nearest = (enter[first], node.child[first]);
+                        while mask != 0 {
+                            let i = mask.trailing_zeros() as usize;
+                            mask &= mask - 1;
+                            let mut entry = (enter[i], node.child[i]);
+                            if entry.0 < nearest.0 {
+                                std::mem::swap(&mut entry, &mut nearest);
+                            }
+                            let mut place = top;
+                            while place > base && stack[place - 1].0 < entry.0 {
+                                stack[place] = stack[place - 1];
+                                place -= 1;
+                            }
+                            stack[place] = entry;
+                            top += 1;
+                        }
+                        word = nearest.1;
+                        continue;
+                    }
+                }
+                Child::Pack(index) => {
+                    let pack = &self.bvh.packs[index];
+                    if let Some(hits) = triangle::intersect::<W>(pack, &sheared, best.t) {
+                        let mut mask = hits.mask;
+                        while mask != 0 {
+                            let i = mask.trailing_zeros() as usize;
+                            mask &= mask - 1;
+                            take_nearer(
+                                &mut best,
+                                hits.t[i],
+                                pack.id[i],
+                                [hits.b[0][i], hits.b[1][i]],
+                            );
+                        }
+                    }
+                }
+                Child::Quadric(primitive) => {
+                    if let Some(t) = quadric(self.geometry, primitive, self.ray, best.t) {
+                        take_nearer(&mut best, t, primitive, [0.0; 2]);
+                    }
+                }
+            }
+            // What was put aside may lie beyond the best hit by now.
+            loop {
+                if top == 0 {
+                    return (best.primitive != u32::MAX).then_some(best);
+                }
+                top -= 1;
+                if stack[top].0 <= best.t {
+                    word = stack[top].1;
+                    break;
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn take_nearer(best: &mut Hit, t: f32, primitive: u32, b: [f32; 2]) {
+    if t < best.t || (t == best.t && primitive < best.primitive) {
+        *best = Hit { t, primitive, b };
+    }
+}
+
+#[inline]
+fn quadric(geometry: &Geometry, primitive: u32, ray: &Ray, t_max: f32) -> Option<f32> {
+    match geometry.kind(primitive) {
+        Kind::Sphere(i) => geometry.spheres[i].intersect(ray.o, ray.d, t_max),
+        Kind::Cylinder(i) => geometry.cylinders[i].intersect(ray.o, ray.d, t_max),
+        Kind::Triangle(_) => None,
+    }
+}
+
+struct Occluded<'a> {
+    bvh: &'a Bvh,
+    geometry: &'a Geometry,
+    ray: &'a Ray,
+    t_max: f32,
+    stack: &'a mut Stack,
+}
+
+impl Kernel for Occluded<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<W: Wide>(self) -> bool {
+        let Some(root) = self.bvh.root else { return false };
+        if !is_traceable(self.ray) {
+            return false;
+        }
+        let slabs = Slabs::<W>::new(self.ray);
+        let sheared = Sheared::new(self.ray.o, self.ray.d);
+        let stack = &mut self.stack.0;
+        stack[0].1 = root;
+        let mut top = 1;
+        while top > 0 {
+            top -= 1;
+            match child(stack[top].1) {
+                Child::Node(index) => {
+                    let node = &self.bvh.nodes[index];
+                    let (_, mut mask) = slabs.test(node, self.t_max);
+                    while mask != 0 {
+                        let i = mask.trailing_zeros() as usize;
+                        mask &= mask - 1;
+                        stack[top].1 = node.child[i];
+                        top += 1;
+                    }
+                }
+                Child::Pack(index) => {
+                    let pack = &self.bvh.packs[index];
+                    if triangle::intersect::<W>(pack, &sheared, self.t_max).is_some() {
+                        return true;
+                    }
+                }
+                Child::Quadric(primitive) => {
+                    if quadric(self.geometry, primitive, self.ray, self.t_max).is_some() {
+                        return true;
+                    }
+                }
+            }
+        }
+        false
     }
 }

@@ -1,6 +1,162 @@
-//! Triangles.
-use super::{Geometry, SurfacePoint};
+//! Triangles: eight at once against one ray, and the surface at a hit.
 
-pub(super) fn surface(_: &Geometry, _: usize, _: [f32; 2]) -> SurfacePoint {
-    todo!()
+use super::offset::ROUNDING;
+use super::{Geometry, SurfacePoint};
+use crate::math::lanes::Wide;
+use crate::math::{Mask, V3};
+
+/// Eight triangles by component: `v[vertex][axis][lane]`. Unused lanes hold points, which no ray
+/// hits.
+#[derive(Clone, Debug)]
+#[repr(align(32))]
+pub(super) struct Pack {
+    pub v: [[[f32; 8]; 3]; 3],
+    pub id: [u32; 8],
+}
+
+impl Pack {
+    pub(super) const EMPTY: Pack = Pack { v: [[[0.0; 8]; 3]; 3], id: [u32::MAX; 8] };
+}
+
+/// A ray in the form that the triangle test wants: the axis along which it runs fastest becomes z,
+/// and space is sheared so that the ray is that axis (Woop, Benthin and Wald, "Watertight
+/// ray/triangle intersection", JCGT 2:1, 2013).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sheared {
+    k: [usize; 3],
+    o: [f32; 3],
+    s: [f32; 3],
+}
+
+impl Sheared {
+    #[inline(always)]
+    pub(super) fn new(o: V3, d: V3) -> Sheared {
+        let d = [d.x, d.y, d.z];
+        let a = d.map(f32::abs);
+        let kz = if a[0] > a[1] {
+            if a[0] > a[2] { 0 } else { 2 }
+        } else if a[1] > a[2] {
+            1
+        } else {
+            2
+        };
+        let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
+        let sz = 1.0 / d[kz];
+        let o = [o.x, o.y, o.z];
+        Sheared { k: [kx, ky, kz], o: [o[kx], o[ky], o[kz]], s: [d[kx] * sz, d[ky] * sz, sz] }
+    }
+}
+
+/// Hits among eight triangles.
+pub(super) struct PackHits {
+    /// Lane `i` as bit `i`.
+    pub mask: u32,
+    pub t: [f32; 8],
+    /// Weights of the second and third vertex.
+    pub b: [[f32; 8]; 2],
+}
+
+/// All of the pack's triangles that the ray meets at `0 < t <= t_max`.
+///
+/// The signs of the three edge functions are exact for the sheared vertices: a difference of two
+/// rounded products has the right sign or is zero, and zeros are decided again in f64, where the
+/// products are exact. Shared vertices shear to the same numbers, so triangles agree about edges.
+#[inline(always)]
+pub(super) fn intersect<W: Wide>(pack: &Pack, ray: &Sheared, t_max: f32) -> Option<PackHits> {
+    let zero = W::splat(0.0);
+    let [kx, ky, kz] = ray.k;
+    let (ox, oy, oz) = (W::splat(ray.o[0]), W::splat(ray.o[1]), W::splat(ray.o[2]));
+    let (sx, sy) = (W::splat(ray.s[0]), W::splat(ray.s[1]));
+    let shear = |v: &[[f32; 8]; 3]| {
+        let z = W::load(&v[kz]) - oz;
+        let x = (W::load(&v[kx]) - ox) - sx * z;
+        let y = (W::load(&v[ky]) - oy) - sy * z;
+        (x, y, z)
+    };
+    let (ax, ay, az) = shear(&pack.v[0]);
+    let (bx, by, bz) = shear(&pack.v[1]);
+    let (cx, cy, cz) = shear(&pack.v[2]);
+    let mut u = cx * by - cy * bx;
+    let mut v = ax * cy - ay * cx;
+    let mut w = bx * ay - by * ax;
+    let on_edge = u.equal(zero) | v.equal(zero) | w.equal(zero);
+    if on_edge.any() {
+        let lanes = on_edge.bits();
+        let x = [ax.store(), bx.store(), cx.store()];
+        let y = [ay.store(), by.store(), cy.store()];
+        (u, v, w) = decide_edges::<W>(lanes, x, y, [u.store(), v.store(), w.store()]);
+    }
+    let least = u.min(v).min(w);
+    let most = u.max(v).max(w);
+    let det = u + v + w;
+    let inside = (least.ge(zero) | most.le(zero)) & !det.equal(zero);
+    if !inside.any() {
+        return None;
+    }
+    let inverse = W::splat(1.0) / det;
+    let t = (u * az + v * bz + w * cz) * W::splat(ray.s[2]) * inverse;
+    let hit = inside & t.gt(zero) & t.le(W::splat(t_max));
+    if !hit.any() {
+        return None;
+    }
+    Some(PackHits {
+        mask: hit.bits(),
+        t: t.store(),
+        b: [(v * inverse).store(), (w * inverse).store()],
+    })
+}
+
+/// The edge functions again in f64 for these lanes, kept apart from zero where they are not zero.
+#[cold]
+#[inline(never)]
+fn decide_edges<W: Wide>(
+    lanes: u32,
+    x: [[f32; 8]; 3],
+    y: [[f32; 8]; 3],
+    mut uvw: [[f32; 8]; 3],
+) -> (W, W, W) {
+    let cross = |a: usize, b: usize, i: usize| {
+        let exact = x[a][i] as f64 * y[b][i] as f64 - y[a][i] as f64 * x[b][i] as f64;
+        let rounded = exact as f32;
+        if rounded == 0.0 && exact != 0.0 {
+            f32::MIN_POSITIVE.copysign(exact as f32)
+        } else {
+            rounded
+        }
+    };
+    for i in (0..8).filter(|i| lanes >> i & 1 != 0) {
+        uvw[0][i] = cross(2, 1, i);
+        uvw[1][i] = cross(0, 2, i);
+        uvw[2][i] = cross(1, 0, i);
+    }
+    (W::load(&uvw[0]), W::load(&uvw[1]), W::load(&uvw[2]))
+}
+
+/// The surface at barycentric weights `b` of the second and third vertex.
+#[inline]
+pub(super) fn surface(geometry: &Geometry, triangle: usize, b: [f32; 2]) -> SurfacePoint {
+    let indices = geometry.triangles[triangle];
+    let [v0, v1, v2] = indices.map(|i| geometry.positions[i as usize]);
+    let (b1, b2) = (b[0], b[1]);
+    let b0 = 1.0 - b1 - b2;
+    let p = v0 * b0 + v1 * b1 + v2 * b2;
+    let largest = |f: fn(V3) -> f32| f(v0).abs().max(f(v1).abs()).max(f(v2).abs());
+    let size = V3::new(largest(|v| v.x), largest(|v| v.y), largest(|v| v.z));
+    // Rebuilding the point costs 4 roundings of the largest corner, meeting the plane again from
+    // anywhere off it about 10 more.
+    let error = size * (16.0 * ROUNDING);
+    // A point that rounding has put past an edge may lie behind the neighbouring face. A step of
+    // the error's size towards the middle brings it back.
+    let inwards = (v0 + v1 + v2) * (1.0 / 3.0) - p;
+    let length = inwards.length();
+    let step = 2.0 * error.max_component();
+    let p = if length > step { p + inwards * (step / length) } else { p };
+
+    let ng = (v1 - v0).cross(v2 - v0).normalize();
+    let n = indices.map(|i| geometry.normals[i as usize]);
+    let sum = n[0] * b0 + n[1] * b1 + n[2] * b2;
+    let missing = n.iter().any(|n| *n == V3::default());
+    let length2 = sum.length2();
+    let ns = if missing || length2 < 1e-12 { ng } else { sum * (1.0 / length2.sqrt()) };
+    SurfacePoint { p, ng, ns, error }
 }

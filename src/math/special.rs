@@ -56,9 +56,7 @@ pub fn ln_1p<L: Lane>(x: L) -> L {
     let u = x + L::splat(1.0);
     let d = u - L::splat(1.0);
     // The rounding of 1 + x cancels in ln(u) / (u - 1), which is smooth (Kahan).
-    L::select(d.equal(L::splat(0.0)), x, ln(u) * (x / d))
-        .min(L::splat(f32::MAX))
-        .max(L::splat(0.0))
+    L::select(d.equal(L::splat(0.0)), x, ln(u) * (x / d)).min(L::splat(f32::MAX)).max(L::splat(0.0))
 }
 
 /// `e^x - 1` for -80 <= x <= 0, without loss at small x. Relative error 3e-7.

@@ -45,12 +45,7 @@ impl TileGrid {
         let columns = self.columns_rows()[0] as usize;
         let x0 = (index % columns) as u32 * TILE;
         let y0 = (index / columns) as u32 * TILE;
-        TileRect {
-            x0,
-            y0,
-            x1: (x0 + TILE).min(self.size[0]),
-            y1: (y0 + TILE).min(self.size[1]),
-        }
+        TileRect { x0, y0, x1: (x0 + TILE).min(self.size[0]), y1: (y0 + TILE).min(self.size[1]) }
     }
 }
 

@@ -130,7 +130,7 @@ impl SceneBuilder {
     pub fn is_lit(&self) -> bool {
         let emits = |m: &MaterialId| self.materials[*m as usize].emits();
         self.environment.iter().any(|&c| c > 0.0)
-            || self.groups.iter().any(|(_, m)| emits(m))
+            || self.groups.iter().any(|(range, m)| !range.is_empty() && emits(m))
             || self.spheres.iter().any(|(_, _, m)| emits(m))
             || self.cylinders.iter().any(|(_, _, _, m)| emits(m))
     }
@@ -200,6 +200,18 @@ impl SceneBuilder {
         placement: DAffine3,
         material: MaterialId,
     ) -> Result<MeshCounts, ShapeError> {
+        self.mesh_parts(mesh, placement, &[(0..mesh.triangles.len(), material)])
+    }
+
+    /// Places a mesh whose parts, runs of triangles, have materials of their own. Each part is one
+    /// light where its material emits; smooth normals are made across the parts. Triangles of no
+    /// part are left out.
+    pub fn mesh_parts(
+        &mut self,
+        mesh: &Mesh,
+        placement: DAffine3,
+        parts: &[(Range<usize>, MaterialId)],
+    ) -> Result<MeshCounts, ShapeError> {
         if self.triangles.len() + mesh.triangles.len() > MAX_TRIANGLES
             || self.positions.len() + mesh.positions.len() > MAX_TRIANGLES
         {
@@ -209,18 +221,23 @@ impl SceneBuilder {
             mesh.positions.iter().map(|&p| placement.transform_point3(p)).collect();
         let mut counts = MeshCounts::default();
         let mut kept = Vec::with_capacity(mesh.triangles.len());
-        for &t in &mesh.triangles {
-            let Some(corners) = corners(&placed, t) else {
-                counts.bad_index += 1;
-                continue;
-            };
-            if corners.iter().any(|&p| in_reach(p).is_err()) {
-                counts.out_of_range += 1;
-            } else if face_normal(corners).is_none() {
-                counts.degenerate += 1;
-            } else {
-                kept.push(t);
+        let mut groups = Vec::with_capacity(parts.len());
+        for (range, material) in parts {
+            let start = kept.len();
+            for &t in mesh.triangles.get(range.clone()).unwrap_or_default() {
+                let Some(corners) = corners(&placed, t) else {
+                    counts.bad_index += 1;
+                    continue;
+                };
+                if corners.iter().any(|&p| in_reach(p).is_err()) {
+                    counts.out_of_range += 1;
+                } else if face_normal(corners).is_none() {
+                    counts.degenerate += 1;
+                } else {
+                    kept.push(t);
+                }
             }
+            groups.push((start..kept.len(), *material));
         }
         counts.kept = kept.len();
         let normals = if mesh.normals.len() == mesh.positions.len() {
@@ -235,7 +252,8 @@ impl SceneBuilder {
         self.positions.extend(placed);
         self.normals.extend(normals);
         self.triangles.extend(kept.iter().map(|t| t.map(|i| i + first)));
-        self.groups.push((start..self.triangles.len(), material));
+        let within = |r: Range<usize>| start + r.start..start + r.end;
+        self.groups.extend(groups.into_iter().map(|(range, material)| (within(range), material)));
         Ok(counts)
     }
 
@@ -341,9 +359,10 @@ impl SceneBuilder {
             p
         };
         let hash = |t: &[u32; 3]| {
-            key(t).iter().flatten().fold(0u64, |h, &x| {
-                (h ^ x).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
-            })
+            key(t)
+                .iter()
+                .flatten()
+                .fold(0u64, |h, &x| (h ^ x).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29))
         };
         let mut order: Vec<(u64, u32)> =
             self.triangles.iter().enumerate().map(|(i, t)| (hash(t), i as u32)).collect();
@@ -380,7 +399,11 @@ fn in_reach(p: DVec3) -> Result<DVec3, ShapeError> {
 }
 
 fn positive(radius: f64) -> Result<f64, ShapeError> {
-    if radius > 0.0 && radius <= MAX_COORDINATE { Ok(radius) } else { Err(ShapeError::Radius(radius)) }
+    if radius > 0.0 && radius <= MAX_COORDINATE {
+        Ok(radius)
+    } else {
+        Err(ShapeError::Radius(radius))
+    }
 }
 
 fn corners(positions: &[DVec3], t: [u32; 3]) -> Option<[DVec3; 3]> {

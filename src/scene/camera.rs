@@ -22,7 +22,9 @@ pub struct Camera {
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum CameraError {
     /// The field of view is not between 0 and 180 degrees.
-    #[error("ry, the tangent of half the vertical field of view, must be from 1e-6 to 1e4, not {0}")]
+    #[error(
+        "ry, the tangent of half the vertical field of view, must be from 1e-6 to 1e4, not {0}"
+    )]
     FieldOfView(f64),
     /// The eye is not a point within reach.
     #[error("the eye must be three finite numbers of at most 1e18 in size, not {0} {1} {2}")]

@@ -8,12 +8,14 @@
 mod builder;
 mod camera;
 mod material;
+mod rays;
 pub mod read;
 mod report;
 
 pub use builder::{MAX_COORDINATE, Mesh, MeshCounts, SceneBuilder, ShapeError};
 pub use camera::{Camera, CameraError};
 pub use material::{Material, MaterialError, MaterialId};
+pub use rays::CameraRays;
 pub use report::{Place, Report, Warning};
 
 use crate::geometry::{Bvh, Geometry, PrimitiveRange};
@@ -97,6 +99,14 @@ impl Scene {
     /// Lowest and highest corner in world units.
     pub fn bounds(&self) -> [DVec3; 2] {
         self.bounds
+    }
+    /// The material seen at a point of the picture, in pixels from its top left corner; `None`
+    /// where nothing is hit.
+    pub fn pick(&self, camera: &Camera, size: [u32; 2], pixel: [f32; 2]) -> Option<MaterialId> {
+        let ray = CameraRays::new(camera, self.placement, size).ray(pixel[0], pixel[1]);
+        let mut stack = self.bvh.stack();
+        let hit = self.bvh.closest(&self.geometry, &ray, f32::INFINITY, &mut stack)?;
+        Some(self.geometry.material_of[hit.primitive as usize])
     }
     /// How much it holds.
     pub fn counts(&self) -> SceneCounts {

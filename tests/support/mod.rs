@@ -14,7 +14,8 @@ impl Random {
     }
     pub fn bits(&mut self) -> u32 {
         let old = self.0;
-        self.0 = old.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 =
+            old.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((((old >> 18) ^ old) >> 27) as u32).rotate_right((old >> 59) as u32)
     }
     /// Uniform in [0, 1 - 2^-24].
@@ -59,7 +60,13 @@ impl Mean {
     pub fn sigmas(&self, expected: f64) -> f64 {
         let se = self.standard_error();
         let d = (self.mean - expected).abs();
-        if se > 0.0 { d / se } else if d <= 1e-6 * expected.abs() { 0.0 } else { f64::INFINITY }
+        if se > 0.0 {
+            d / se
+        } else if d <= 1e-6 * expected.abs() {
+            0.0
+        } else {
+            f64::INFINITY
+        }
     }
 }
 

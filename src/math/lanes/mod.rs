@@ -96,7 +96,9 @@ pub trait Lane:
 }
 
 /// One truth value per lane.
-pub trait Mask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+pub trait Mask:
+    Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>
+{
     /// True in any lane.
     fn any(self) -> bool {
         self.bits() != 0

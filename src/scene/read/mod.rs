@@ -1,1 +1,191 @@
 //! Readers: a file becomes a [`SceneBuilder`] and a [`Report`], or an error with its line.
+//!
+//! | ending | reader | what it brings |
+//! | --- | --- | --- |
+//! | `.scn` | [`read_scn`], by lines | camera, materials, lights, shapes, and the models it names |
+//! | `.obj` | `tobj`, on text checked beforehand | a mesh, its parts, the materials of its MTL |
+//! | `.ply` | `ply-rs-bw`, one element at a time | a mesh |
+//!
+//! **Whose word counts.** What cannot be meant (a radius of 0, a word for a number) is an error
+//! with file and line. What can be read, though perhaps not as its author meant it, is a
+//! [`Warning`](super::Warning). Nothing is left out in silence.
+//!
+//! **No input may panic, hang or take more memory than its own size explains.** The two crates
+//! that know the model formats trust their input in places; each is given only what its reader
+//! here has checked. No tree is built: that is for the caller, who may want to do it elsewhere.
+//!
+//! ```
+//! use burnish::scene::read::{self, Memory};
+//!
+//! let text = b"light 1 1 1\nsphere 0 0 5 1\nbrdf 0.5 0.5 0.5 0 0 0 10\nsphere 0 0 0 2";
+//! let (builder, report) = read::read_scn(text, "two.scn".as_ref(), &Memory(&[]))?;
+//! assert_eq!(builder.shapes(), 2);
+//! assert_eq!(report.warnings.len(), 2); // neither `screen` nor `camera` was given
+//! # Ok::<(), read::ReadError>(())
+//! ```
+
+mod files;
+mod log;
+mod obj;
+mod ply;
+mod scn;
+mod text;
+
+pub use files::{Disk, Files, Memory};
+pub use log::ReadError;
+pub use scn::read_scn;
+
+use super::{Material, Mesh, MeshCounts, Report, SceneBuilder};
+use glam::DAffine3;
+use log::Log;
+use std::path::Path;
+
+/// Reads the scene or model in this file, by its ending.
+///
+/// A model alone is framed by the camera, 640 by 480 pixels; if nothing in it emits, a uniform
+/// white environment of radiance 1 lights it, and the report's notes say so.
+pub fn open(path: &Path) -> Result<(SceneBuilder, Report), ReadError> {
+    let name = |text: String| ReadError::whole_file(path, text);
+    if path.is_dir() {
+        return Err(name("this is a directory; expected a .scn, .obj or .ply file".to_owned()));
+    }
+    Format::of(path).map_err(name)?;
+    let bytes = files::load(path).map_err(|e| name(format!("cannot read the file: {e}")))?;
+    read(&bytes, path, &Disk::beside(path))
+}
+
+/// Like [`open`], from bytes: `name` tells the format and stands in messages, `files` brings the
+/// models and materials that the file refers to.
+pub fn read(
+    bytes: &[u8],
+    name: &Path,
+    files: &dyn Files,
+) -> Result<(SceneBuilder, Report), ReadError> {
+    match Format::of(name).map_err(|text| ReadError::whole_file(name, text))? {
+        Format::Scn => read_scn(bytes, name, files),
+        Format::Obj => read_obj(bytes, name, files),
+        Format::Ply => read_ply(bytes, name),
+    }
+}
+
+/// What the ending of a file's name says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Scn,
+    Obj,
+    Ply,
+}
+
+impl Format {
+    /// The format, or what to do about a file of another one.
+    fn of(path: &Path) -> Result<Format, String> {
+        let ending = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+        match ending.as_deref() {
+            Some("scn") => Ok(Format::Scn),
+            Some("obj") => Ok(Format::Obj),
+            Some("ply") => Ok(Format::Ply),
+            Some(_) => Err(format!(
+                "files of this kind are not read, only .scn, .obj and .ply; a model can be \
+                 converted: `assimp export {} {}`",
+                text::shown(&path.to_string_lossy()),
+                text::shown(&path.with_extension("obj").to_string_lossy()),
+            )),
+            None => Err("the name must end in .scn, .obj or .ply".to_owned()),
+        }
+    }
+}
+
+/// Reads the geometry of a model alone; its own materials are not even looked for.
+fn model(format: Format, bytes: &[u8], log: &mut Log) -> Result<Mesh, ReadError> {
+    match format {
+        Format::Scn => Err(log.error(None, "a scene cannot be a part of another scene")),
+        Format::Obj => Ok(obj::read(bytes, log)?.mesh),
+        Format::Ply => ply::read(bytes, log),
+    }
+}
+
+fn read_obj(
+    bytes: &[u8],
+    name: &Path,
+    files: &dyn Files,
+) -> Result<(SceneBuilder, Report), ReadError> {
+    let mut log = Log::new(name);
+    let mut builder = SceneBuilder::new(title(name));
+    let model = obj::read(bytes, &mut log)?;
+    let parts = obj::materials(&model, files, &mut builder, &mut log)?;
+    let counts = builder
+        .mesh_parts(&model.mesh, DAffine3::IDENTITY, &parts)
+        .map_err(|e| log.error(None, e.to_string()))?;
+    alone(builder, counts, log)
+}
+
+fn read_ply(bytes: &[u8], name: &Path) -> Result<(SceneBuilder, Report), ReadError> {
+    let mut log = Log::new(name);
+    let mut builder = SceneBuilder::new(title(name));
+    let mesh = ply::read(bytes, &mut log)?;
+    log.note(format!("a PLY file has no material: {GREY_IS}"));
+    let grey = builder.material(grey(&log)?);
+    let counts = builder
+        .mesh(&mesh, DAffine3::IDENTITY, grey)
+        .map_err(|e| log.error(None, e.to_string()))?;
+    alone(builder, counts, log)
+}
+
+/// Completes a model that is looked at by itself.
+fn alone(
+    mut builder: SceneBuilder,
+    counts: MeshCounts,
+    mut log: Log,
+) -> Result<(SceneBuilder, Report), ReadError> {
+    if let Some(text) = left_out(counts) {
+        log.warn(None, text.clone());
+        if counts.kept == 0 {
+            return Err(log.error(None, format!("nothing is left to show: {text}")));
+        }
+    }
+    if !builder.is_lit() {
+        builder.environment = [1.0; 3];
+        log.note("nothing in the file emits: lit by a uniform white environment of radiance 1");
+    }
+    Ok((builder, log.finish()))
+}
+
+const GREY_IS: &str = "a diffuse grey of Kd 0.5 is used";
+
+/// The surface of a model that brings none.
+fn grey(log: &Log) -> Result<Material, ReadError> {
+    Material::reflecting("grey", [0.5; 3], [0.0; 3], 10.0)
+        .map_err(|e| log.error(None, e.to_string()))
+}
+
+/// One sentence on the triangles and normals that could not be used; `None` if all could.
+fn left_out(counts: MeshCounts) -> Option<String> {
+    let dropped = counts.degenerate + counts.out_of_range + counts.bad_index;
+    let reasons: Vec<String> = [
+        (counts.degenerate, "without area"),
+        (counts.out_of_range, "with a vertex that is not finite or beyond 1e18"),
+        (counts.bad_index, "with an index that names no vertex"),
+    ]
+    .into_iter()
+    .filter(|(n, _)| *n > 0)
+    .map(|(n, why)| format!("{n} {why}"))
+    .collect();
+    let mut sentences = Vec::new();
+    if dropped > 0 {
+        let all = dropped + counts.kept;
+        sentences
+            .push(format!("{dropped} of {all} triangles are left out: {}", reasons.join(", ")));
+    }
+    if counts.bad_normals > 0 {
+        sentences.push(format!(
+            "the normal of {} vertices is zero or not finite: that of the face is used",
+            counts.bad_normals
+        ));
+    }
+    if sentences.is_empty() { None } else { Some(sentences.join("; ")) }
+}
+
+/// What the window calls a scene: the name of its file.
+fn title(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}

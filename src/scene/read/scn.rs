@@ -1,0 +1,283 @@
+//! The `.scn` format: one command a line.
+
+mod args;
+
+use super::files::Files;
+use super::log::{Log, ReadError};
+use super::{Format, left_out, model, text, title};
+use crate::scene::{
+    Camera, MAX_COORDINATE, Material, MaterialError, MaterialId, Mesh, Report, SceneBuilder,
+    ShapeError,
+};
+use args::{Args, Problem};
+use glam::{DAffine3, DVec3};
+use std::collections::HashMap;
+use std::path::Path;
+use std::rc::Rc;
+
+/// Largest width or height of a picture.
+const MAX_SIDE: u32 = 16384;
+
+/// Reads a scene; `name` stands in messages and `files` brings the models.
+pub fn read_scn(
+    bytes: &[u8],
+    name: &Path,
+    files: &dyn Files,
+) -> Result<(SceneBuilder, Report), ReadError> {
+    let log = Log::new(name);
+    let text = text::decode(bytes, &log)?;
+    let mut reader = Reader {
+        builder: SceneBuilder::new(title(name)),
+        log,
+        files,
+        line: 0,
+        current: Current::default_material()
+            .map_err(|e| ReadError::whole_file(name, e.to_string()))?,
+        models: HashMap::new(),
+        last: HashMap::new(),
+    };
+    for (number, line) in text::lines(&text) {
+        reader.line = number;
+        reader.line(line)?;
+    }
+    reader.finish()
+}
+
+/// What the lines so far have brought.
+struct Reader<'a> {
+    builder: SceneBuilder,
+    log: Log,
+    files: &'a dyn Files,
+    line: usize,
+    current: Current,
+    /// Every model is read once, however often it is placed.
+    models: HashMap<String, Rc<Mesh>>,
+    /// The line of each command's last occurrence.
+    last: HashMap<&'static str, usize>,
+}
+
+/// The material of the shapes that follow.
+struct Current {
+    material: Material,
+    /// Its number, once a shape uses it: what no shape uses stays out of the scene.
+    id: Option<MaterialId>,
+    /// What to say when a shape uses it, and the line that is to blame if it is not the shape's.
+    warning: Option<(Option<usize>, String)>,
+}
+
+impl Current {
+    fn new(material: Material) -> Current {
+        Current { material, id: None, warning: None }
+    }
+
+    /// The material before any `brdf`.
+    fn default_material() -> Result<Current, MaterialError> {
+        let material = Material::reflecting("default", [1.0, 0.5, 0.0], [1.0; 3], 1.0)?;
+        let text = "no `brdf` or `light` comes before this shape: Kd 1 0.5 0, Ks 1 1 1, a_p 1 is \
+                    used";
+        Ok(Current { warning: Some((None, text.to_owned())), ..Current::new(material) })
+    }
+}
+
+/// What a command is called, its arguments, and what it does with them.
+type Command<'a> =
+    (&'static str, &'static str, fn(&mut Reader<'a>, &mut Args) -> Result<(), Problem>);
+
+impl<'a> Reader<'a> {
+    /// The commands. Arguments in brackets are given all or not at all; `ORIENT` is any number of
+    /// `x deg`, `y deg`, `z deg`, `q w x y z` and `a deg ax ay az`.
+    const COMMANDS: [Command<'a>; 10] = [
+        ("screen", "W H", Reader::screen),
+        ("camera", "x y z ry ORIENT", Reader::camera),
+        ("ambient", "r g b", Reader::ambient),
+        ("brdf", "Kd Kd Kd Ks Ks Ks a_p [Kt Kt Kt ior]", Reader::brdf),
+        ("light", "r g b", Reader::light),
+        ("sphere", "cx cy cz r", Reader::sphere),
+        ("box", "x y z dx dy dz", Reader::cuboid),
+        ("cylinder", "bx by bz ax ay az r", Reader::cylinder),
+        ("mesh", "FILE tx ty tz s ORIENT", Reader::mesh),
+        ("environment", "r g b", Reader::environment),
+    ];
+
+    fn line(&mut self, line: &str) -> Result<(), ReadError> {
+        let mut tokens = line.split_whitespace();
+        let Some(word) = tokens.next().filter(|word| !word.starts_with('#')) else {
+            return Ok(());
+        };
+        let Some((name, usage, run)) = Self::COMMANDS.into_iter().find(|c| c.0 == word) else {
+            let text = format!("unknown command `{}`: the line is not used", text::shown(word));
+            self.log.warn(Some(self.line), text);
+            return Ok(());
+        };
+        let mut args = Args::new(name, usage, tokens);
+        run(self, &mut args).map_err(|problem| match problem {
+            Problem::Here(text) => self.log.error(Some(self.line), format!("{name}: {text}")),
+            Problem::Elsewhere(error) => error,
+        })?;
+        for text in args.remarks() {
+            self.log.warn(Some(self.line), format!("{name}: {text}"));
+        }
+        self.last.insert(name, self.line);
+        Ok(())
+    }
+
+    fn screen(&mut self, args: &mut Args) -> Result<(), Problem> {
+        let size = args.numbers::<2>()?;
+        if size.iter().any(|x| !(1.0..=f64::from(MAX_SIDE)).contains(x) || x.fract() != 0.0) {
+            let [w, h] = size;
+            return Err(Problem::Here(format!(
+                "width and height must be whole numbers from 1 to {MAX_SIDE}, not {w} {h}"
+            )));
+        }
+        self.builder.screen = size.map(|x| x as u32);
+        self.replaces("screen");
+        Ok(())
+    }
+
+    fn camera(&mut self, args: &mut Args) -> Result<(), Problem> {
+        let (eye, [ry]) = (args.point()?, args.numbers()?);
+        self.builder.camera = Some(Camera::new(eye, ry, args.orientation()?)?);
+        self.replaces("camera");
+        Ok(())
+    }
+
+    /// A path tracer has no ambient light.
+    fn ambient(&mut self, args: &mut Args) -> Result<(), Problem> {
+        args.numbers::<3>().map(|_| ())
+    }
+
+    fn brdf(&mut self, args: &mut Args) -> Result<(), Problem> {
+        let (kd, ks, [exponent]) = (args.numbers()?, args.numbers()?, args.numbers()?);
+        let name = format!("brdf, line {}", self.line);
+        self.current = Current::new(Material::reflecting(name, kd, ks, exponent)?);
+        if args.more() {
+            let (kt, [_ior]) = (args.numbers::<3>()?, args.numbers()?);
+            if kt != [0.0; 3] {
+                let [r, g, b] = kt;
+                let text = format!(
+                    "brdf: Kt {r} {g} {b} asks for transmission, which is not modelled: the \
+                     surface is opaque"
+                );
+                self.current.warning = Some((Some(self.line), text));
+            }
+        }
+        Ok(())
+    }
+
+    fn light(&mut self, args: &mut Args) -> Result<(), Problem> {
+        let name = format!("light, line {}", self.line);
+        self.current = Current::new(Material::light(name, args.numbers()?)?);
+        Ok(())
+    }
+
+    fn sphere(&mut self, args: &mut Args) -> Result<(), Problem> {
+        let (centre, [radius]) = (args.point()?, args.numbers()?);
+        let material = self.material();
+        Ok(self.builder.sphere(centre, radius, material)?)
+    }
+
+    fn cuboid(&mut self, args: &mut Args) -> Result<(), Problem> {
+        let (corner, diagonal) = (args.point()?, args.point()?);
+        let material = self.material();
+        Ok(self.builder.cuboid(corner, diagonal, material)?)
+    }
+
+    fn cylinder(&mut self, args: &mut Args) -> Result<(), Problem> {
+        let (base, axis, [radius]) = (args.point()?, args.point()?, args.numbers()?);
+        let material = self.material();
+        Ok(self.builder.cylinder(base, axis, radius, material)?)
+    }
+
+    /// Places a model by T · S(s) · R.
+    fn mesh(&mut self, args: &mut Args) -> Result<(), Problem> {
+        let file = args.word()?;
+        let (shift, [scale]) = (args.point()?, args.numbers()?);
+        let turn = args.orientation()?;
+        if !(shift.abs().max_element() <= MAX_COORDINATE) {
+            return Err(ShapeError::Coordinate(shift.x, shift.y, shift.z).into());
+        }
+        if !(1.0 / MAX_COORDINATE..=MAX_COORDINATE).contains(&scale.abs()) {
+            return Err(Problem::Here(format!(
+                "the scale s must be from 1e-18 to 1e18 in size, not {scale}"
+            )));
+        }
+        let format = match Format::of(Path::new(file)) {
+            Ok(format) => format,
+            Err(text) => {
+                let text = format!("mesh: the shape {} is left out: {text}", text::shown(file));
+                self.log.warn(Some(self.line), text);
+                return Ok(());
+            }
+        };
+        let mesh = self.model(file, format)?;
+        let material = self.material();
+        let placement = DAffine3::from_scale_rotation_translation(DVec3::splat(scale), turn, shift);
+        let counts = self.builder.mesh(&mesh, placement, material)?;
+        if let Some(text) = left_out(counts) {
+            self.log.warn(Some(self.line), format!("mesh {}: {text}", text::shown(file)));
+        }
+        Ok(())
+    }
+
+    fn environment(&mut self, args: &mut Args) -> Result<(), Problem> {
+        self.builder.environment = Material::light("environment", args.numbers()?)?.emission;
+        self.replaces("environment");
+        Ok(())
+    }
+
+    /// Says so when a command that counts once is given again.
+    fn replaces(&mut self, name: &'static str) {
+        if let Some(earlier) = self.last.get(name) {
+            let text = format!("{name}: this replaces the one of line {earlier}");
+            self.log.warn(Some(self.line), text);
+        }
+    }
+
+    /// The current material, for a shape that is about to be added.
+    fn material(&mut self) -> MaterialId {
+        if let Some((line, text)) = self.current.warning.take() {
+            self.log.warn(line.or(Some(self.line)), text);
+        }
+        let (current, builder) = (&mut self.current, &mut self.builder);
+        *current.id.get_or_insert_with(|| builder.material(current.material.clone()))
+    }
+
+    fn model(&mut self, file: &str, format: Format) -> Result<Rc<Mesh>, Problem> {
+        if let Some(mesh) = self.models.get(file) {
+            return Ok(Rc::clone(mesh));
+        }
+        let (path, bytes) = self.files.find(file).map_err(|e| {
+            Problem::Here(format!("cannot read the model {}: {e}", text::shown(file)))
+        })?;
+        let user = self.log.error(Some(self.line), "").place;
+        let mesh = self.log.within(path, |log| model(format, &bytes, log)).map_err(|mut e| {
+            e.text = format!("{} (a model of {user})", e.text);
+            Problem::Elsewhere(e)
+        })?;
+        let mesh = Rc::new(mesh);
+        self.models.insert(file.to_owned(), Rc::clone(&mesh));
+        Ok(mesh)
+    }
+
+    fn finish(mut self) -> Result<(SceneBuilder, Report), ReadError> {
+        if self.last.is_empty() {
+            let text = "no command found; expected lines such as `sphere cx cy cz r`";
+            return Err(self.log.error(None, text));
+        }
+        let absent = |name| !self.last.contains_key(name);
+        let defaults = [
+            (absent("screen"), "no `screen W H`: the picture has 640 by 480 pixels"),
+            (absent("camera"), "no `camera`: one that frames the whole scene is used"),
+            (self.builder.shapes() == 0, "there is no shape to see"),
+            (
+                !self.builder.is_lit(),
+                "nothing emits light, so the picture will be black: put `light r g b` before a \
+                 shape, or add `environment r g b`",
+            ),
+        ];
+        for (_, text) in defaults.into_iter().filter(|(applies, _)| *applies) {
+            self.log.warn(None, text);
+        }
+        Ok((self.builder, self.log.finish()))
+    }
+}

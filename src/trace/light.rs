@@ -1,0 +1,261 @@
+//! Lights: which to ask, where on it, and with what density.
+
+use crate::geometry::{Geometry, Kind, PrimitiveRange, SurfacePoint};
+use crate::math::warp;
+use crate::math::{Frame, Rgb, V3};
+use crate::scene::{Material, Scene};
+use std::f32::consts::PI;
+
+/// A direction towards a light.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LightSample {
+    /// Unit, leaving the surface.
+    pub wi: V3,
+    /// What arrives from there unless something is in between.
+    pub radiance: Rgb,
+    /// Density in 1/sr, the choice of the light included; above 0.
+    pub pdf: f32,
+    /// The point on the light; `None` for the environment, which is infinitely far.
+    pub target: Option<SurfacePoint>,
+}
+
+/// All that emits, with the probability of each being asked.
+///
+/// Lights are chosen by power. Spheres are sampled by the solid angle they fill, other shapes by
+/// area, the uniform environment by the cosine.
+#[derive(Debug)]
+pub(super) struct Lights {
+    emitters: Vec<Emitter>,
+    environment: Rgb,
+    /// Running sums of the choice probabilities; the environment is last.
+    cumulative: Vec<f32>,
+}
+
+#[derive(Debug)]
+struct Emitter {
+    shape: PrimitiveRange,
+    radiance: Rgb,
+    area: f32,
+    /// Running sums of the triangles' areas; empty for a single primitive.
+    areas: Vec<f32>,
+}
+
+impl Lights {
+    pub(super) fn new(scene: &Scene, materials: &[Material]) -> Lights {
+        let geometry = scene.geometry();
+        let mut emitters = Vec::new();
+        let mut powers = Vec::new();
+        for surface in scene.surfaces() {
+            let radiance = Rgb::from(materials[surface.material as usize].emission);
+            if radiance.is_black() {
+                continue;
+            }
+            let emitter = Emitter::new(geometry, surface.shape, radiance);
+            if emitter.area > 0.0 {
+                powers.push((radiance.luminance().max(1e-30) * emitter.area) as f64);
+                emitters.push(emitter);
+            }
+        }
+        let environment = Rgb::from(scene.environment());
+        // The scene fits into a sphere of radius sqrt 3, which the environment fills with light.
+        powers.push((environment.luminance() * 4.0 * PI * 3.0) as f64);
+        let total: f64 = powers.iter().sum();
+        let mut sum = 0.0;
+        let mut cumulative: Vec<f32> = powers
+            .iter()
+            .map(|p| {
+                sum += p;
+                if total > 0.0 { (sum / total) as f32 } else { 0.0 }
+            })
+            .collect();
+        if let (Some(last), true) = (cumulative.last_mut(), total > 0.0) {
+            *last = 1.0;
+        }
+        Lights { emitters, environment, cumulative }
+    }
+
+    /// What comes from a direction that hits nothing.
+    pub(super) fn environment(&self) -> Rgb {
+        self.environment
+    }
+
+    fn probability(&self, index: usize) -> f32 {
+        let before = if index == 0 { 0.0 } else { self.cumulative[index - 1] };
+        self.cumulative[index] - before
+    }
+
+    /// A direction from `p`, whose shading normal `n` faces the viewer, towards some light.
+    #[inline]
+    pub(super) fn sample(
+        &self,
+        geometry: &Geometry,
+        p: V3,
+        n: V3,
+        choice: f32,
+        u: [f32; 2],
+    ) -> Option<LightSample> {
+        let index = self.cumulative.partition_point(|&c| c <= choice);
+        let probability = self.probability(index.min(self.cumulative.len() - 1));
+        if index >= self.cumulative.len() || probability <= 0.0 {
+            return None;
+        }
+        let Some(emitter) = self.emitters.get(index) else {
+            let local = warp::cosine_hemisphere(u);
+            let pdf = warp::cosine_hemisphere_pdf(local.z) * probability;
+            let wi = Frame::around(n).to_world(local);
+            return Some(LightSample { wi, radiance: self.environment, pdf, target: None });
+        };
+        // What is left of the number after the choice is uniform again.
+        let before = self.cumulative[index] - probability;
+        let again = ((choice - before) / probability).clamp(0.0, 1.0);
+        let (wi, pdf, target) = emitter.sample(geometry, p, again, u)?;
+        let pdf = pdf * probability;
+        (pdf > 0.0 && pdf.is_finite()).then_some(LightSample {
+            wi,
+            radiance: emitter.radiance,
+            pdf,
+            target: Some(target),
+        })
+    }
+
+    /// Density with which [`Lights::sample`] at `p` finds the direction `wi` in which `hit` of
+    /// `primitive` was met at `distance`, in 1/sr.
+    pub(super) fn pdf(
+        &self,
+        geometry: &Geometry,
+        p: V3,
+        wi: V3,
+        primitive: u32,
+        hit: &SurfacePoint,
+        distance: f32,
+    ) -> f32 {
+        let index = self.emitters.partition_point(|e| e.shape.first + e.shape.count <= primitive);
+        match self.emitters.get(index) {
+            Some(emitter) if emitter.shape.contains(primitive) => {
+                emitter.pdf(geometry, p, wi, hit, distance) * self.probability(index)
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// Density with which [`Lights::sample`] finds a direction at this cosine to the normal that
+    /// hits nothing, in 1/sr.
+    pub(super) fn environment_pdf(&self, cos: f32) -> f32 {
+        warp::cosine_hemisphere_pdf(cos.max(0.0)) * self.probability(self.emitters.len())
+    }
+}
+
+impl Emitter {
+    fn new(geometry: &Geometry, shape: PrimitiveRange, radiance: Rgb) -> Emitter {
+        let area_of = |primitive: u32| match geometry.kind(primitive) {
+            Kind::Triangle(i) => {
+                let [a, b, c] = geometry.corners(i);
+                (b - a).cross(c - a).length() * 0.5
+            }
+            Kind::Sphere(i) => 4.0 * PI * geometry.spheres[i].radius.powi(2),
+            Kind::Cylinder(i) => {
+                let c = &geometry.cylinders[i];
+                2.0 * PI * c.radius * (c.height + c.radius)
+            }
+        };
+        let mut sum = 0.0f64;
+        let areas: Vec<f32> = (shape.first..shape.first + shape.count)
+            .map(|primitive| {
+                sum += area_of(primitive) as f64;
+                sum as f32
+            })
+            .collect();
+        let areas = if areas.len() > 1 { areas } else { Vec::new() };
+        Emitter { shape, radiance, area: sum as f32, areas }
+    }
+
+    fn sample(
+        &self,
+        geometry: &Geometry,
+        p: V3,
+        choice: f32,
+        u: [f32; 2],
+    ) -> Option<(V3, f32, SurfacePoint)> {
+        let target = match geometry.kind(self.shape.first) {
+            Kind::Sphere(i) => return self.sample_sphere(geometry, i, p, u),
+            Kind::Cylinder(i) => sample_cylinder(geometry, i, choice, u),
+            Kind::Triangle(first) => {
+                let wanted = choice * self.area;
+                let offset = self.areas.partition_point(|&a| a <= wanted);
+                let offset = offset.min(self.areas.len().saturating_sub(1));
+                geometry.triangle_surface(first + offset, warp::triangle(u))
+            }
+        };
+        let away = target.p - p;
+        let distance2 = away.length2();
+        if distance2 <= 0.0 {
+            return None;
+        }
+        let distance = distance2.sqrt();
+        let wi = away * (1.0 / distance);
+        Some((wi, self.area_pdf(wi, &target, distance), target))
+    }
+
+    fn pdf(&self, geometry: &Geometry, p: V3, wi: V3, hit: &SurfacePoint, distance: f32) -> f32 {
+        match geometry.kind(self.shape.first) {
+            Kind::Sphere(i) => sphere_pdf(geometry.spheres[i], p),
+            _ => self.area_pdf(wi, hit, distance),
+        }
+    }
+
+    /// A density of 1/area, per solid angle.
+    fn area_pdf(&self, wi: V3, hit: &SurfacePoint, distance: f32) -> f32 {
+        let cos = hit.ng.dot(wi).abs();
+        if cos > 0.0 { distance * distance / (cos * self.area) } else { 0.0 }
+    }
+
+    fn sample_sphere(
+        &self,
+        geometry: &Geometry,
+        index: usize,
+        p: V3,
+        u: [f32; 2],
+    ) -> Option<(V3, f32, SurfacePoint)> {
+        let sphere = geometry.spheres[index];
+        let towards = sphere.centre - p;
+        let wi = match cone(sphere, p) {
+            Some(one_minus_cos) => {
+                Frame::around(towards.normalize()).to_world(warp::cone(u, one_minus_cos))
+            }
+            None => warp::sphere(u),
+        };
+        let t = sphere.intersect(p, wi, f32::INFINITY).unwrap_or_else(|| towards.dot(wi).max(0.0));
+        Some((wi, sphere_pdf(sphere, p), sphere.surface(p + wi * t)))
+    }
+}
+
+/// `1 - cos` of the cone that a sphere fills as seen from `p` outside it; `None` inside.
+fn cone(sphere: crate::geometry::Sphere, p: V3) -> Option<f32> {
+    let distance2 = (sphere.centre - p).length2();
+    let distance = distance2.sqrt();
+    // cos² of the half angle, without the loss of 1 - sin² next to the surface.
+    let cos2 = (distance - sphere.radius) * (distance + sphere.radius) / distance2;
+    if cos2 > 0.0 && cos2 <= 1.0 {
+        let sin2 = sphere.radius * sphere.radius / distance2;
+        Some(sin2 / (1.0 + cos2.sqrt()))
+    } else {
+        None
+    }
+}
+
+fn sphere_pdf(sphere: crate::geometry::Sphere, p: V3) -> f32 {
+    warp::cone_pdf(cone(sphere, p).unwrap_or(2.0))
+}
+
+fn sample_cylinder(geometry: &Geometry, index: usize, choice: f32, u: [f32; 2]) -> SurfacePoint {
+    let cylinder = &geometry.cylinders[index];
+    let cap = cylinder.radius * 0.5 / (cylinder.height + cylinder.radius);
+    let p = if choice < 2.0 * cap {
+        let [x, y] = warp::disc(u);
+        cylinder.cap_point(x, y, choice < cap)
+    } else {
+        let (sin, cos) = crate::math::special::sin_cos_2pi(u[0]);
+        cylinder.side_point(cos, sin, u[1])
+    };
+    cylinder.surface(p)
+}

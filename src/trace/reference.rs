@@ -1,0 +1,168 @@
+//! The path tracer that one reads: one path at a time, plain control flow.
+
+use super::{DEPTH_CAP, Scratch, Tracer};
+use crate::brdf::Microfacet;
+use crate::geometry::{Ray, SurfacePoint, offset_origin};
+use crate::math::lanes::U32;
+use crate::math::sequence::{Slot, Stream, pair};
+use crate::math::{Frame, Rgb, V3};
+
+/// First scattering event after which a path may be ended by chance.
+const ROULETTE_FROM: u32 = 2;
+/// A path goes on for certain while its throughput is above the inverse of this. Ending more of
+/// them sooner would cost the stratification more than the time saved is worth.
+const ROULETTE_MILDNESS: f32 = 2.5;
+/// From this event on even a bright path may end, so that none is endless.
+const ROULETTE_ALWAYS_FROM: u32 = 8;
+const ROULETTE_MOST: f32 = 0.95;
+
+/// A surface met by a path, turned to the viewer.
+struct Vertex {
+    point: SurfacePoint,
+    ng: V3,
+    frame: Frame,
+    /// Towards the viewer, in the frame; z > 0.
+    wo: V3,
+}
+
+impl Tracer {
+    /// Radiance of one sample: pass `pass` (from 0) of the pixel in column `x`, row `y` from the
+    /// top. The same arguments give the same bits, always.
+    pub fn sample<M: Microfacet>(&self, x: u32, y: u32, pass: u64, scratch: &mut Scratch) -> Rgb {
+        let stream = Stream::new(self.seed, U32(x), U32(y), pass);
+        let [dx, dy] = pair::<f32>(&stream, Slot::CAMERA);
+        let ray = self.camera.ray(x as f32 + dx, y as f32 + dy);
+        self.radiance::<M>(ray, &stream, scratch)
+    }
+
+    fn radiance<M: Microfacet>(
+        &self,
+        mut ray: Ray,
+        stream: &Stream<U32>,
+        scratch: &mut Scratch,
+    ) -> Rgb {
+        let geometry = self.scene.geometry();
+        let mut sum = Rgb::BLACK;
+        let mut beta = Rgb::splat(1.0);
+        // Where the ray left from, with the density of its direction; none for the camera's.
+        let mut from: Option<(Vertex, f32)> = None;
+        for event in 0.. {
+            scratch.rays += 1;
+            let hit = self.scene.bvh().closest(geometry, &ray, f32::INFINITY, &mut scratch.stack);
+            let Some(hit) = hit else {
+                let weight = from.as_ref().map_or(1.0, |(vertex, pdf)| {
+                    mis(*pdf, self.lights.environment_pdf(vertex.frame.n.dot(ray.d)))
+                });
+                sum += beta * self.lights.environment() * weight;
+                return sum;
+            };
+            let point = geometry.surface(&ray, &hit);
+            let surface = &self.surfaces[geometry.material_of[hit.primitive as usize] as usize];
+            if surface.emits {
+                let weight = from.as_ref().map_or(1.0, |(vertex, pdf)| {
+                    let (p, d) = (vertex.point.p, ray.d);
+                    mis(*pdf, self.lights.pdf(geometry, p, d, hit.primitive, &point, hit.t))
+                });
+                sum += beta * surface.emission * weight;
+            }
+            if event >= self.max_depth || !surface.reflects {
+                return sum;
+            }
+            if event >= DEPTH_CAP {
+                scratch.capped += 1;
+                return sum;
+            }
+            let Some(vertex) = Vertex::facing(point, -ray.d) else { return sum };
+            let lobes = &surface.lobes;
+            let [lobe_choice, light_choice] = pair::<f32>(stream, Slot::choice(event));
+
+            let u = pair::<f32>(stream, Slot::light(event));
+            let light =
+                self.lights.sample(geometry, vertex.point.p, vertex.frame.n, light_choice, u);
+            if let Some(light) = light
+                && let Some(wi) = vertex.inwards(light.wi)
+            {
+                let e = lobes.eval::<M>(vertex.wo, wi);
+                let found = light.radiance * e.f * (wi.z / light.pdf * mis(light.pdf, e.pdf));
+                if !found.is_black() && self.sees(&vertex, light.wi, light.target.as_ref(), scratch)
+                {
+                    sum += beta * found;
+                }
+            }
+
+            let u = pair::<f32>(stream, Slot::direction(event));
+            let next = lobes.sample::<M>(vertex.wo, lobe_choice, u);
+            let d = vertex.frame.to_world(next.wi);
+            if next.pdf <= 0.0 || vertex.ng.dot(d) <= 0.0 {
+                return sum;
+            }
+            beta *= next.f * (next.wi.z / next.pdf);
+            if beta.is_black() {
+                return sum;
+            }
+            if event >= ROULETTE_FROM {
+                let most = if event >= ROULETTE_ALWAYS_FROM { ROULETTE_MOST } else { 1.0 };
+                let survival = (ROULETTE_MILDNESS * beta.max_channel()).min(most);
+                if survival < 1.0 {
+                    if pair::<f32>(stream, Slot::roulette(event))[0] >= survival {
+                        return sum;
+                    }
+                    beta = beta * (1.0 / survival);
+                }
+            }
+            ray = Ray { o: vertex.leave(d), d };
+            from = Some((vertex, next.pdf));
+        }
+        sum
+    }
+
+    /// Whether nothing is between a vertex and a point on a light, or infinity.
+    fn sees(
+        &self,
+        vertex: &Vertex,
+        wi: V3,
+        target: Option<&SurfacePoint>,
+        scratch: &mut Scratch,
+    ) -> bool {
+        let o = vertex.leave(wi);
+        // From just off one surface to just off the other: the whole segment counts.
+        let (d, t_max) = match target {
+            Some(q) => (offset_origin(q.p, q.error, q.ng, -wi) - o, 1.0),
+            None => (wi, f32::INFINITY),
+        };
+        scratch.rays += 1;
+        let geometry = self.scene.geometry();
+        !self.scene.bvh().occluded(geometry, &Ray { o, d }, t_max, &mut scratch.stack)
+    }
+}
+
+impl Vertex {
+    /// `wo` is unit. The geometric normal decides the sides: both normals are turned to the
+    /// viewer's. `None` where the two place the viewer on different sides, which carries nothing.
+    fn facing(point: SurfacePoint, wo: V3) -> Option<Vertex> {
+        let ng = if point.ng.dot(wo) < 0.0 { -point.ng } else { point.ng };
+        let ns = if point.ns.dot(ng) < 0.0 { -point.ns } else { point.ns };
+        let frame = Frame::around(ns);
+        let wo = frame.to_local(wo);
+        (wo.z > 0.0).then_some(Vertex { point, ng, frame, wo })
+    }
+
+    /// A world direction in the frame, where both normals have it on the viewer's side.
+    fn inwards(&self, wi: V3) -> Option<V3> {
+        let local = self.frame.to_local(wi);
+        (local.z > 0.0 && self.ng.dot(wi) > 0.0).then_some(local)
+    }
+
+    /// Where a ray in this direction starts.
+    fn leave(&self, d: V3) -> V3 {
+        offset_origin(self.point.p, self.point.error, self.ng, d)
+    }
+}
+
+/// Power heuristic: the weight of a direction found with density `a` that another strategy finds
+/// with density `b`. The two weights of a pair sum to 1.
+#[inline]
+fn mis(a: f32, b: f32) -> f32 {
+    let ratio = b / a;
+    1.0 / (1.0 + ratio * ratio)
+}

@@ -1,0 +1,177 @@
+//! The progressive core: determinism, epochs, limits, pauses.
+
+mod support;
+
+use burnish::brdf::{Model, Roughness};
+use burnish::progressive::{Options, Params, Session, Snapshot, State, TileImage, render};
+use burnish::scene::{Camera, Material, Scene, SceneBuilder};
+use glam::DVec3;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+fn small_room() -> Arc<Scene> {
+    let mut b = SceneBuilder::new("small room");
+    let wall = Material::reflecting("wall", [0.6, 0.5, 0.4], [0.04; 3], 100.0).unwrap();
+    let wall = b.material(wall);
+    let metal = b.material(Material::reflecting("metal", [0.0; 3], [0.9; 3], 500.0).unwrap());
+    let lamp = b.material(Material::light("lamp", [5.0, 5.0, 4.0]).unwrap());
+    b.cuboid(DVec3::splat(-2.0), DVec3::splat(4.0), wall).unwrap();
+    b.sphere(DVec3::new(0.5, 0.3, -1.2), 0.8, metal).unwrap();
+    b.cylinder(DVec3::new(-0.9, 0.4, -2.0), DVec3::new(0.2, 0.0, 1.5), 0.3, metal).unwrap();
+    b.sphere(DVec3::new(-0.5, 0.5, 1.2), 0.4, lamp).unwrap();
+    b.camera =
+        Some(Camera::look_at(DVec3::new(0.2, -1.9, 0.1), DVec3::new(0.0, 1.0, -0.3), 0.8).unwrap());
+    b.screen = [70, 50];
+    Arc::new(b.build())
+}
+
+fn finished(session: &Session, epoch: u64) -> Snapshot {
+    let over = |s: &Snapshot| s.epoch == epoch && s.state == State::Done;
+    session.snapshots().iter().find(over).unwrap()
+}
+
+#[test]
+fn the_same_bits_on_any_number_of_threads() {
+    for model in Model::ALL {
+        let params = Params { model, ..Params::new(small_room()) };
+        let one = render(params.clone(), 11, 1).unwrap();
+        assert_eq!(one.counts.nonfinite, 0);
+        assert_eq!(one.counts.paths, 70 * 50 * 11);
+        for threads in [2, 16] {
+            let many = render(params.clone(), 11, threads).unwrap();
+            assert_eq!(one.mean(), many.mean());
+            assert_eq!(one.standard_error(), many.standard_error());
+            assert_eq!(one.counts, many.counts);
+            assert_eq!(one.error, many.error);
+        }
+    }
+}
+
+#[test]
+fn windowed_as_headless_after_pauses_limits_and_other_epochs() {
+    let params = Params::new(small_room());
+    let plain = render(params.clone(), 9, 2).unwrap();
+    let session = Session::start(params.clone(), 2, 2, || {}).unwrap();
+    // Wander off, come back, stop and go on.
+    for alpha in [0.9, 0.5, 0.1] {
+        let rough = Roughness::from_alpha(alpha).unwrap();
+        session.set(params.clone().with_roughness(rough)).unwrap();
+        std::thread::sleep(Duration::from_millis(3));
+    }
+    let epoch = session.set(params.clone()).unwrap();
+    assert_eq!(session.set(params).unwrap(), epoch, "no change, no new epoch");
+    assert_eq!(finished(&session, epoch).passes, 2);
+    session.pause();
+    session.set_limit(9);
+    std::thread::sleep(Duration::from_millis(20));
+    session.resume();
+    let over = |s: &Snapshot| s.epoch == epoch && s.passes == 9;
+    let end = session.snapshots().iter().find(over).unwrap();
+    assert_eq!(end.mean(), plain.mean());
+    assert_eq!(end.error, plain.error);
+}
+
+#[test]
+fn a_pause_stops_the_work_and_loses_nothing() {
+    let params = Params::new(small_room());
+    let session = Session::start(params.clone(), 1 << 32, 2, || {}).unwrap();
+    std::thread::sleep(Duration::from_millis(40));
+    session.pause();
+    let paused = session.snapshots().iter().find(|s| s.state == State::Paused).unwrap();
+    std::thread::sleep(Duration::from_millis(60));
+    assert!(session.latest().is_none(), "paused workers still send");
+    session.resume();
+    let next = session.snapshots().recv().unwrap();
+    assert_eq!(next.epoch, paused.epoch);
+    assert!(next.counts.paths > paused.counts.paths);
+    // Every tile holds at least what it held.
+    for (a, b) in paused.tiles.iter().zip(&next.tiles) {
+        let passes = |t: &Option<Arc<TileImage>>| t.as_ref().map_or(0, |t| t.passes);
+        assert!(passes(b) >= passes(a));
+    }
+}
+
+#[test]
+fn snapshots_are_of_one_epoch_and_name_what_changed() {
+    let base = Params::new(small_room());
+    let session = Session::start(base.clone(), 1 << 32, 2, || {}).unwrap();
+    let mut last = 0;
+    let mut picture: Vec<Option<Arc<TileImage>>> = Vec::new();
+    let mut seen = 0;
+    for k in 0..200 {
+        let alpha = Roughness::from_alpha(0.05 + 0.004 * k as f64).unwrap();
+        let epoch = session.set(base.clone().with_roughness(alpha)).unwrap();
+        let started = Instant::now();
+        while let Ok(s) = session.snapshots().recv_timeout(Duration::from_secs(20)) {
+            assert!(s.epoch >= last, "an older epoch after a newer one");
+            last = s.epoch;
+            if picture.len() != s.tiles.len() {
+                picture = vec![None; s.tiles.len()];
+            }
+            for &i in &s.dirty {
+                picture[i as usize] = s.tiles[i as usize].clone();
+            }
+            seen += 1;
+            if s.epoch == epoch {
+                // What was patched tile by tile is the whole picture.
+                for (a, b) in picture.iter().zip(&s.tiles) {
+                    assert!(match (a, b) {
+                        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+                        _ => b.is_none(),
+                    });
+                }
+                break;
+            }
+        }
+        assert!(started.elapsed() < Duration::from_secs(20), "no snapshot of the new epoch");
+    }
+    assert!(seen >= 200);
+}
+
+#[test]
+fn a_reader_that_never_reads_stops_nothing() {
+    let params = Params::new(small_room());
+    let session = Session::start(params.clone(), 40, 2, || {}).unwrap();
+    std::thread::sleep(Duration::from_millis(200));
+    let first = session.snapshots().recv().unwrap();
+    let shown = first.tiles.iter().flatten().count();
+    assert_eq!(first.dirty.len(), shown, "all tiles are new to this reader");
+    let end = if first.state == State::Done { first } else { finished(&session, 1) };
+    assert_eq!(end.mean(), render(params, 40, 1).unwrap().mean());
+}
+
+#[test]
+fn parameters_that_make_no_picture_are_refused() {
+    let good = Params::new(small_room());
+    for size in [[0, 10], [10, 0], [40_000, 10]] {
+        assert!(render(Params { size, ..good.clone() }, 1, 1).is_err());
+    }
+    assert!(render(Params { max_depth: Some(0), ..good.clone() }, 1, 1).is_err());
+    assert!(render(Params { materials: Arc::new(vec![]), ..good.clone() }, 1, 1).is_err());
+    for size in [[1, 1], [1, 77], [33, 1]] {
+        let s = render(Params { size, ..good.clone() }, 2, 3).unwrap();
+        assert_eq!(s.counts.paths, 2 * size[0] as u64 * size[1] as u64);
+    }
+}
+
+#[test]
+fn dropping_a_session_ends_its_work_at_once() {
+    let params = Params { size: [1600, 1200], ..Params::new(small_room()) };
+    let session = Session::start(params, 1 << 32, 2, || {}).unwrap();
+    std::thread::sleep(Duration::from_millis(30));
+    let started = Instant::now();
+    drop(session);
+    assert!(started.elapsed() < Duration::from_secs(1));
+}
+
+#[test]
+fn headless_options_skip_the_preview() {
+    let params = Params::new(small_room());
+    let session = Session::with_options(params, 1, Options::headless(1), || {}).unwrap();
+    for s in session.snapshots().iter() {
+        assert!(s.tiles.iter().flatten().all(|t| t.block == 1));
+        if s.state == State::Done {
+            return;
+        }
+    }
+}
