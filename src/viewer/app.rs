@@ -32,18 +32,18 @@ const EXPOSURE_STEP: f32 = 0.5;
 const GESTURE: f64 = 0.6;
 
 pub(super) struct App {
-    document: Option<Document>,
-    render: Option<Render>,
+    pub(super) document: Option<Document>,
+    pub(super) render: Option<Render>,
     loading: Option<Loading>,
     saving: Option<Saving>,
-    notice: Option<Notice>,
-    canvas: Canvas,
+    pub(super) notice: Option<Notice>,
+    pub(super) canvas: Canvas,
     controls: Controls,
     view: View,
     materials: Materials,
     report: ReportPanel,
     status: Status,
-    help: Help,
+    pub(super) help: Help,
     open: Open,
     /// Worker threads; 0 for one a core.
     threads: usize,
@@ -237,8 +237,9 @@ impl App {
                 ctx.copy_text(line);
             }
             Action::Undo => {
+                // What undo brings back is not itself a change to be undone.
                 if document.undo() {
-                    // What undo brings back is not a change to be undone itself.
+                    document.paused = false;
                     self.send();
                 }
             }
@@ -309,6 +310,8 @@ impl App {
                 document.remember(before);
             }
             self.edited = now;
+            // A change is to be seen, and a paused renderer would show nothing of it.
+            document.paused = false;
         }
         self.send();
     }

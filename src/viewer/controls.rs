@@ -64,19 +64,23 @@ fn roughness(ui: &mut Ui, document: &mut Document) {
     if ui.add(slider).labelled_by(label.id).changed() {
         wanted = Roughness::from_alpha(alpha).ok();
     }
-    ui.columns_const(|[left, right]| {
-        let tip = "Roughness alpha, no unit, 0.0001 (mirror-like) to 1 (dull). Drag or type.";
+    let tip = "Roughness alpha, no unit, 0.0001 (mirror-like) to 1 (dull). Drag or type.";
+    theme::field(ui, "alpha", tip, |ui, label| {
+        let name = "a_p";
+        let width = (ui.available_width() - theme::text_width(ui, name)) / 2.0 - theme::GAP;
+        let size = egui::vec2(width, ui.spacing().interact_size.y);
         let mut alpha = value.alpha();
-        let field = number(&mut alpha).range(low..=high).speed(0.01 * value.alpha());
-        if named(left, "alpha", tip, field) {
+        let field = number(&mut alpha).range(low..=high).speed(0.01 * value.alpha()).min_size(size);
+        if ui.add_sized(size, field).labelled_by(label).on_hover_text(tip).changed() {
             wanted = Roughness::from_alpha(alpha).ok();
         }
         let tip = "Phong exponent a_p, no unit, 0 (dull) to 2e8 - 2 (mirror-like). Drag or type.";
+        let label = ui.label(name).on_hover_text(tip).id;
         let [low, high] = Roughness::EXPONENT;
         let mut exponent = value.exponent();
         let speed = 0.01 * (value.exponent() + 2.0);
-        let field = number(&mut exponent).range(low..=high).speed(speed);
-        if named(right, "a_p", tip, field) {
+        let field = number(&mut exponent).range(low..=high).speed(speed).min_size(size);
+        if ui.add_sized(size, field).labelled_by(label).on_hover_text(tip).changed() {
             wanted = Roughness::from_exponent(exponent).ok();
         }
     });
@@ -95,16 +99,6 @@ fn number(value: &mut f64) -> DragValue<'_> {
         .update_while_editing(false)
         .max_decimals(12)
         .custom_formatter(|x, _| digits(x, 4))
-}
-
-/// A field beside its name; whether it was changed.
-fn named(ui: &mut Ui, name: &str, tip: &str, field: DragValue<'_>) -> bool {
-    ui.horizontal(|ui| {
-        let label = ui.weak(name).on_hover_text(tip);
-        let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
-        ui.add_sized(size, field.min_size(size)).labelled_by(label.id).on_hover_text(tip).changed()
-    })
-    .inner
 }
 
 /// Whether the roughness is that of all materials or of the picked one.

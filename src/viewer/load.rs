@@ -70,7 +70,7 @@ impl Loading {
 fn read(source: &Source) -> Result<Loaded, String> {
     let (builder, report): (SceneBuilder, Report) = match source {
         Source::Builtin => super::stand_in::default_scene(),
-        Source::File(path) => super::stand_in::open(path).map_err(|e| e.to_string())?,
+        Source::File(path) => burnish::scene::read::open(path).map_err(|e| e.to_string())?,
     };
     Ok(Loaded { scene: Arc::new(builder.build()), report })
 }

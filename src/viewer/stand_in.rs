@@ -24,7 +24,3 @@ pub(super) fn default_scene() -> (SceneBuilder, Report) {
     report.notes.push("lit by one sphere".into());
     (b, report)
 }
-
-pub(super) fn open(path: &std::path::Path) -> Result<(SceneBuilder, Report), String> {
-    Err(format!("{}: no reader yet", path.display()))
-}

@@ -42,7 +42,8 @@ impl Status {
 
 fn progress(ui: &mut Ui, document: &Document, facts: &Facts) {
     let passes = facts.snapshot.map_or(0, |s| s.passes);
-    let width = document.limit.to_string().len();
+    // As wide as it will get, so that what follows stays in place.
+    let width = 2 * document.limit.to_string().len() + " /  passes".len();
     let state = match facts.snapshot.map(|s| &s.state) {
         Some(State::Done) => "done",
         Some(State::Paused) => "paused",
@@ -52,7 +53,7 @@ fn progress(ui: &mut Ui, document: &Document, facts: &Facts) {
     };
     figure(
         ui,
-        format!("{passes:>width$} / {} passes", document.limit),
+        format!("{:<width$}", format!("{passes} / {} passes", document.limit)),
         "Whole passes traced, of the limit: every pixel has at least this many samples.",
     );
     if !state.is_empty() {

@@ -222,6 +222,12 @@ pub(super) fn button_row<'a>(
     pressed
 }
 
+/// Width of a label's text in points.
+pub(super) fn text_width(ui: &Ui, text: &str) -> f32 {
+    let font = TextStyle::Body.resolve(ui.style());
+    ui.painter().layout_no_wrap(text.to_owned(), font, Color32::WHITE).size().x
+}
+
 /// A word at the right of a section's header.
 pub(super) struct Badge {
     pub(super) text: String,
@@ -241,6 +247,7 @@ pub(super) fn section<R>(
 ) -> Option<R> {
     let id = ui.make_persistent_id(id);
     let mut state = CollapsingState::load_with_default_open(ui.ctx(), id, open);
+    rule(ui);
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
     if response.clicked() {
         state.toggle(ui);
@@ -257,7 +264,8 @@ pub(super) fn section<R>(
     painter.text(at, egui::Align2::LEFT_CENTER, title, font, colour);
     if let Some(badge) = &badge {
         let font = TextStyle::Monospace.resolve(ui.style());
-        let at = rect.right_center();
+        // Above the figures of the lines below, which stand within their buttons' padding.
+        let at = rect.right_center() - vec2(GAP, 0.0);
         let colour = if badge.warns { accent_of(ui.visuals()) } else { weak(ui) };
         painter.text(at, egui::Align2::RIGHT_CENTER, &badge.text, font, colour);
     }
@@ -282,9 +290,7 @@ fn arrow(painter: &egui::Painter, centre: egui::Pos2, openness: f32, colour: Col
 
 /// A line across the panel between two groups.
 pub(super) fn rule(ui: &mut Ui) {
-    ui.add_space(4.0);
-    ui.separator();
-    ui.add_space(4.0);
+    ui.add(egui::Separator::default().spacing(GAP));
 }
 
 /// A square of colour: linear Rec. 709 in 0..=1, or a radiance scaled to its largest channel.
