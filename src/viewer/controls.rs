@@ -93,12 +93,19 @@ fn roughness(ui: &mut Ui, document: &mut Document) {
     applies_to(ui, document);
 }
 
-/// A number that is typed or dragged, with four significant digits.
+/// A number that is typed or dragged, with four significant digits. A text that was not changed
+/// is the number itself, not its rounded form: to look is not to edit.
 fn number(value: &mut f64) -> DragValue<'_> {
+    let (exact, shown) = (*value, digits(*value, 4));
+    let parse = move |text: &str| match text.trim() {
+        text if text == shown => Some(exact),
+        text => text.parse().ok().filter(|x: &f64| !x.is_nan()),
+    };
     DragValue::new(value)
         .update_while_editing(false)
         .max_decimals(12)
         .custom_formatter(|x, _| digits(x, 4))
+        .custom_parser(parse)
 }
 
 /// Whether the roughness is that of all materials or of the picked one.

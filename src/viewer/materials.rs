@@ -54,6 +54,7 @@ fn row(ui: &mut Ui, material: &Material, chosen: bool) -> Response {
         let size = egui::vec2(width, ui.spacing().interact_size.y);
         ui.allocate_ui_with_layout(size, layout, |ui| ui.add(name))
             .inner
+            .accessible_name(material.name.as_str())
             .on_hover_text(describe(material))
     })
     .inner

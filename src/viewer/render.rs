@@ -17,7 +17,8 @@ pub(super) struct Render {
     told: Params,
     limit: u64,
     paused: bool,
-    epoch: u64,
+    /// What the pictures of the present parameters carry.
+    pub(super) epoch: u64,
     changed: Instant,
     /// From the last change to its first pixels.
     pub(super) latency: Option<Duration>,
