@@ -67,7 +67,7 @@ impl App {
             canvas: Canvas::new(),
             controls: Controls,
             view: View,
-            materials: Materials,
+            materials: Materials::default(),
             report: ReportPanel,
             status: Status,
             help: Help::default(),

@@ -118,7 +118,7 @@ fn applies_to(ui: &mut Ui, document: &mut Document) {
     let all = "Every material that has a specular lobe.".to_owned();
     let entries = [("All", all, true), (words, tip, picked.is_some())];
     let chosen = usize::from(document.only_picked);
-    let pressed = theme::field(ui, "Applies to", "What the roughness is the roughness of.", |ui, _| {
+    let pressed = theme::field(ui, "Applies to", "Which materials the slider and the two fields change.", |ui, _| {
         theme::segmented(ui, Weight::Quiet, chosen, &entries)
     });
     if let Some(pressed) = pressed {

@@ -1,8 +1,11 @@
 //! The list of keys and mouse moves, made from the one table of them.
 
-use super::keys::{self, MOUSE, PICTURE_KEYS, TABLE};
+use super::keys::{self, Binding, MOUSE, PICTURE_KEYS, TABLE};
 use super::theme;
-use egui::{Grid, Id, Modal, RichText, Ui};
+use egui::{Frame, Grid, Id, Margin, Modal, RichText, Ui};
+
+/// Least width of the column of keys and of that of words, in points.
+const COLUMNS: [f32; 2] = [136.0, 184.0];
 
 #[derive(Default)]
 pub(super) struct Help {
@@ -14,43 +17,68 @@ impl Help {
         if !self.open {
             return;
         }
-        let modal = Modal::new(Id::unique("help")).show(ui.ctx(), |ui| {
-            ui.set_width(680.0);
+        let frame = Frame::popup(&ui.ctx().global_style()).inner_margin(Margin::same(24));
+        let modal = Modal::new(Id::unique("help")).frame(frame).show(ui.ctx(), |ui| {
             ui.horizontal(|ui| {
                 ui.heading("Keys and mouse");
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    self.open = !ui.button("Close").clicked();
-                });
+                ui.add_space(theme::GROUP);
+                self.open = !ui.button("Close").clicked();
             });
-            ui.add_space(theme::GAP);
-            ui.columns_const(|[left, right]| {
-                keys_table(left);
-                pairs(right, "Over the picture", MOUSE);
-                right.add_space(theme::GROUP);
-                pairs(right, "With the picture focused (Tab)", PICTURE_KEYS);
-            });
+            ui.add_space(theme::GROUP);
+            let (first, second) = TABLE.split_at(TABLE.len().div_ceil(2));
+            side_by_side(ui, |ui| bindings(ui, first), |ui| bindings(ui, second));
+            ui.add_space(theme::GROUP);
+            side_by_side(
+                ui,
+                |ui| pairs(ui, "Over the picture", MOUSE),
+                |ui| pairs(ui, "With the picture focused (Tab)", PICTURE_KEYS),
+            );
         });
         self.open &= !modal.should_close();
     }
 }
 
-fn keys_table(ui: &mut Ui) {
-    Grid::new("keys").num_columns(2).spacing([theme::GROUP, 4.0]).show(ui, |ui| {
-        for binding in TABLE {
-            ui.label(RichText::new(keys::keys_text(ui.ctx(), binding)).monospace());
-            ui.label(binding.name).on_hover_text(binding.tip);
-            ui.end_row();
+fn side_by_side(ui: &mut Ui, left: impl FnOnce(&mut Ui), right: impl FnOnce(&mut Ui)) {
+    ui.horizontal_top(|ui| {
+        ui.vertical(left);
+        ui.add_space(theme::GROUP);
+        ui.vertical(right);
+    });
+}
+
+fn bindings(ui: &mut Ui, bindings: &[Binding]) {
+    let id = bindings.first().map_or("", |b| b.name);
+    grid(id).show(ui, |ui| {
+        for binding in bindings {
+            line(ui, &keys::keys_text(ui.ctx(), binding), binding.does, binding.tip);
         }
     });
 }
 
 fn pairs(ui: &mut Ui, title: &str, pairs: &[(&str, &str)]) {
     ui.weak(title);
-    Grid::new(title).num_columns(2).spacing([theme::GROUP, 4.0]).show(ui, |ui| {
+    grid(title).show(ui, |ui| {
         for (what, does) in pairs {
-            ui.label(RichText::new(*what).monospace());
-            ui.label(*does);
-            ui.end_row();
+            line(ui, what, does, "");
         }
     });
+}
+
+fn grid(id: &str) -> Grid {
+    Grid::new(id).num_columns(2).spacing([theme::GROUP, 4.0]).min_row_height(16.0)
+}
+
+fn line(ui: &mut Ui, what: &str, does: &str, tip: &str) {
+    ui.scope(|ui| {
+        ui.set_min_width(COLUMNS[0]);
+        ui.label(RichText::new(what).monospace().color(theme::accent_of(ui.visuals())));
+    });
+    ui.scope(|ui| {
+        ui.set_min_width(COLUMNS[1]);
+        let label = ui.label(does);
+        if !tip.is_empty() {
+            label.on_hover_text(tip);
+        }
+    });
+    ui.end_row();
 }

@@ -1,7 +1,8 @@
 //! The one table of what can be done by key: shortcuts, tooltips and the help are made from it.
 
 use burnish::brdf::Model;
-use egui::{Context, Key, KeyboardShortcut, Modifiers};
+use egui::os::OperatingSystem;
+use egui::{Context, Key, KeyboardShortcut, ModifierNames, Modifiers};
 
 /// Something a key or a button does at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,8 +30,10 @@ pub(super) struct Binding {
     pub(super) action: Action,
     /// Any of these does it; the first is the one that tooltips name.
     pub(super) keys: &'static [KeyboardShortcut],
-    /// The words on the button and in the help.
+    /// The word on its button.
     pub(super) name: &'static str,
+    /// A few words for the help.
+    pub(super) does: &'static str,
     /// What it does, in a sentence.
     pub(super) tip: &'static str,
 }
@@ -51,108 +54,126 @@ pub(super) const TABLE: &[Binding] = &[
         action: Action::Model(Model::Phong),
         keys: &[plain(Key::Num1)],
         name: "Phong",
+        does: "Model: Phong",
         tip: "Phong's cosine-power distribution, exponent a_p, with Beckmann's rational shadowing.",
     },
     Binding {
         action: Action::Model(Model::Beckmann),
         keys: &[plain(Key::Num2)],
         name: "Beckmann",
+        does: "Model: Beckmann",
         tip: "Gaussian slopes of width alpha: short tails, a compact highlight.",
     },
     Binding {
         action: Action::Model(Model::Ggx),
         keys: &[plain(Key::Num3)],
         name: "GGX",
+        does: "Model: GGX",
         tip: "Walter et al. 2007: the same width alpha, but long tails, so a highlight with a glow.",
     },
     Binding {
         action: Action::Smoother,
         keys: &[plain(Key::OpenBracket)],
         name: "Smoother",
+        does: "Smoother",
         tip: "Divides the roughness alpha by 2^(1/4); four presses halve it.",
     },
     Binding {
         action: Action::Rougher,
         keys: &[plain(Key::CloseBracket)],
         name: "Rougher",
+        does: "Rougher",
         tip: "Multiplies the roughness alpha by 2^(1/4); four presses double it.",
     },
     Binding {
         action: Action::Pause,
         keys: &[plain(Key::Space)],
         name: "Pause",
+        does: "Pause or resume",
         tip: "Stops tracing; nothing is lost. Again to go on.",
     },
     Binding {
         action: Action::Restart,
         keys: &[plain(Key::R)],
         name: "Restart",
+        does: "Restart from the first pass",
         tip: "Throws the passes away and starts again from the first.",
     },
     Binding {
         action: Action::Save,
         keys: &[plain(Key::S), command(Key::S)],
         name: "Snapshot",
+        does: "Snapshot as PNG and OpenEXR",
         tip: "Writes what is shown as PNG, and its radiance as OpenEXR, into the working directory.",
     },
     Binding {
         action: Action::Open,
         keys: &[command(Key::O)],
         name: "Open",
+        does: "Open a scene",
         tip: "Opens a scene: .scn, .obj or .ply. Dropping a file on the window does the same.",
     },
     Binding {
         action: Action::Frame,
         keys: &[plain(Key::F)],
         name: "Frame",
+        does: "Frame the whole scene",
         tip: "Moves the camera back or forth until the whole scene is seen, in the same direction.",
     },
     Binding {
         action: Action::Home,
         keys: &[plain(Key::Home)],
         name: "Home",
+        does: "Camera as in the scene file",
         tip: "Puts the camera back where the scene file has it.",
     },
     Binding {
         action: Action::CopyCamera,
         keys: &[plain(Key::V)],
         name: "Copy",
+        does: "Copy the camera line",
         tip: "Copies the camera as a line for a .scn file.",
     },
     Binding {
         action: Action::Darker,
         keys: &[shift(Key::E)],
         name: "Darker",
+        does: "Exposure down",
         tip: "Exposure 1/2 stop down. Changes what is shown, not what is traced.",
     },
     Binding {
         action: Action::Brighter,
         keys: &[plain(Key::E)],
         name: "Brighter",
+        does: "Exposure up",
         tip: "Exposure 1/2 stop up. Changes what is shown, not what is traced.",
     },
     Binding {
         action: Action::Zoom,
         keys: &[plain(Key::Z)],
         name: "Fit or 1:1",
+        does: "Fit the picture, or 1:1",
         tip: "Fits the picture to the window, or shows one pixel as one pixel of the screen.",
     },
     Binding {
         action: Action::FullScreen,
         keys: &[plain(Key::F11)],
         name: "Full screen",
+        does: "Full screen",
         tip: "Fills the screen with the window, or goes back.",
     },
     Binding {
         action: Action::Undo,
         keys: &[command(Key::Z)],
         name: "Undo",
+        does: "Undo",
         tip: "Takes back the last change of model, roughness or camera.",
     },
     Binding {
         action: Action::Help,
         keys: &[plain(Key::Questionmark), plain(Key::F1)],
         name: "Help",
+        does: "This help",
         tip: "Shows or hides the list of keys.",
     },
 ];
@@ -181,7 +202,10 @@ pub(super) fn binding(action: Action) -> &'static Binding {
 
 /// All keys of a binding, as this system writes them: "S, Ctrl+S".
 pub(super) fn keys_text(ctx: &Context, binding: &Binding) -> String {
-    let keys: Vec<String> = binding.keys.iter().map(|k| ctx.format_shortcut(k)).collect();
+    // Modifiers by name, but "[" and not "OpenBracket".
+    let names = ModifierNames { is_short: true, ..ModifierNames::NAMES };
+    let mac = matches!(ctx.os(), OperatingSystem::Mac | OperatingSystem::IOS);
+    let keys: Vec<String> = binding.keys.iter().map(|k| k.format(&names, mac)).collect();
     keys.join(", ")
 }
 

@@ -3,9 +3,16 @@
 use super::document::{Document, has_lobe};
 use super::theme::{self, digits};
 use burnish::scene::{Material, MaterialId};
-use egui::{Align, Button, Layout, Response, RichText, Ui};
+use egui::{Align, Button, Layout, Response, RichText, ScrollArea, Ui};
 
-pub(super) struct Materials;
+/// So many lines are shown at once; half a line tells that there are more.
+const LINES: f32 = 8.5;
+
+#[derive(Default)]
+pub(super) struct Materials {
+    /// The one that was picked when last drawn, to scroll to a new one.
+    seen: Option<MaterialId>,
+}
 
 impl Materials {
     pub(super) fn ui(&mut self, ui: &mut Ui, document: &mut Document) {
@@ -14,19 +21,30 @@ impl Materials {
         theme::section(ui, "materials", "Materials", Some(count), true, |ui| {
             ui.spacing_mut().item_spacing.y = 2.0;
             header(ui);
-            let mut clicked = None;
-            let chosen = document.picked.filter(|_| document.only_picked);
-            for (id, material) in document.params.materials.iter().enumerate() {
-                let id = id as MaterialId;
-                if row(ui, material, chosen == Some(id)).clicked() {
-                    clicked = Some(id);
-                }
-            }
-            if clicked.is_some() {
-                // A second click lets go of it.
-                document.pick(clicked.filter(|_| clicked != chosen));
-            }
+            let height = LINES * (ui.spacing().interact_size.y + ui.spacing().item_spacing.y);
+            let area = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
+            area.show(ui, |ui| self.list(ui, document));
         });
+    }
+
+    fn list(&mut self, ui: &mut Ui, document: &mut Document) {
+        let mut clicked = None;
+        let chosen = document.picked.filter(|_| document.only_picked);
+        for (id, material) in document.params.materials.iter().enumerate() {
+            let id = id as MaterialId;
+            let row = row(ui, material, chosen == Some(id));
+            if chosen == Some(id) && self.seen != chosen {
+                row.scroll_to_me(None);
+            }
+            if row.clicked() {
+                clicked = Some(id);
+            }
+        }
+        self.seen = chosen;
+        if clicked.is_some() {
+            // A second click lets go of it.
+            document.pick(clicked.filter(|_| clicked != chosen));
+        }
     }
 }
 
@@ -45,6 +63,7 @@ fn header(ui: &mut Ui) {
 fn row(ui: &mut Ui, material: &Material, chosen: bool) -> Response {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
+        theme::quiet_choice(ui);
         swatches(ui, material);
         let width = ui.available_width();
         let name = Button::selectable(chosen, material.name.as_str())

@@ -2,9 +2,9 @@
 
 use super::canvas::Hover;
 use super::document::Document;
-use super::theme::digits;
+use super::theme::{self, digits};
 use burnish::progressive::{Snapshot, State};
-use egui::{Align, Label, Layout, RichText, Ui};
+use egui::{Align, Color32, Label, Layout, Rect, RichText, Ui, UiBuilder};
 use std::time::Duration;
 
 pub(super) struct Status;
@@ -20,80 +20,104 @@ pub(super) struct Facts<'a> {
 }
 
 impl Status {
+    /// The scene at the right, the progress at the left, the pixel between them. What there is no
+    /// room for is left out, the least important first.
     pub(super) fn ui(&mut self, ui: &mut Ui, facts: &Facts) {
-        ui.horizontal_centered(|ui| {
-            ui.spacing_mut().item_spacing.x = 16.0;
+        let row = ui.max_rect();
+        let mut right = row.right();
+        if let Some(document) = facts.document {
+            right = group(ui, row, Layout::right_to_left(Align::Center), |ui| {
+                scene(ui, document);
+                warnings(ui, document);
+            })
+            .left();
+        }
+        let rest = Rect::from_min_max(row.min, egui::pos2(right - theme::GROUP, row.bottom()));
+        let left = group(ui, rest, Layout::left_to_right(Align::Center), |ui| {
             if let Some(name) = facts.loading {
-                ui.label(format!("Reading {name} ..."));
+                ui.add(Label::new(format!("Reading {name} ...")).truncate());
             }
             if let Some(document) = facts.document {
                 progress(ui, document, facts);
-                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    scene(ui, document);
-                    warnings(ui, document);
-                    if let Some(hover) = facts.hover {
-                        pixel(ui, hover);
-                    }
-                });
             }
-        });
+        })
+        .right();
+        if let Some(hover) = facts.hover {
+            let rest = rest.with_min_x(left + theme::GROUP);
+            group(ui, rest, Layout::right_to_left(Align::Center), |ui| pixel(ui, hover));
+        }
     }
+}
+
+/// Draws into a part of the line; returns the part used.
+fn group(ui: &mut Ui, space: Rect, layout: Layout, body: impl FnOnce(&mut Ui)) -> Rect {
+    let mut ui = ui.new_child(UiBuilder::new().max_rect(space).layout(layout));
+    ui.spacing_mut().item_spacing.x = theme::GROUP;
+    body(&mut ui);
+    ui.min_rect()
 }
 
 fn progress(ui: &mut Ui, document: &Document, facts: &Facts) {
     let passes = facts.snapshot.map_or(0, |s| s.passes);
     // As wide as it will get, so that what follows stays in place.
     let width = 2 * document.limit.to_string().len() + " /  passes".len();
-    let state = match facts.snapshot.map(|s| &s.state) {
-        Some(State::Done) => "done",
-        Some(State::Paused) => "paused",
-        Some(State::Failed(_)) => "failed",
-        _ if document.paused => "paused",
-        _ => "",
-    };
     figure(
         ui,
         format!("{:<width$}", format!("{passes} / {} passes", document.limit)),
         "Whole passes traced, of the limit: every pixel has at least this many samples.",
     );
+    let Some(snapshot) = facts.snapshot else { return };
+    nonfinite(ui, snapshot);
+    let state = match &snapshot.state {
+        State::Done => "done",
+        State::Failed(_) => "failed",
+        State::Paused => "paused",
+        State::Running if document.paused => "paused",
+        State::Running => "",
+    };
     if !state.is_empty() {
         ui.label(RichText::new(state).strong());
     }
-    let Some(snapshot) = facts.snapshot else { return };
-    let error = match snapshot.error {
-        Some(error) => format!("rel. error {:>6}", percent(error.relative)),
-        None => "rel. error      -".to_owned(),
-    };
+    let error = snapshot.error.map_or("-".to_owned(), |e| percent(e.relative));
     figure(
         ui,
-        error,
-        "Square root of the mean over pixels and channels of variance / (mean\u{b2} + 0.01), estimated \
-         from independent replicates. \"-\" until they allow an estimate.",
+        format!("rel. error {error:<6}"),
+        "Square root of the mean over pixels and channels of variance / (mean\u{b2} + 0.01), \
+         estimated from independent replicates. \"-\" until they allow an estimate.",
     );
     let seconds = snapshot.seconds;
     let rate = if seconds > 0.0 { snapshot.counts.paths as f64 / seconds } else { 0.0 };
     figure(
         ui,
-        format!("{:>6} paths/s", millions(rate)),
+        format!("{:<15}", format!("{} paths/s", short(rate))),
         "Camera paths a second since the first pass.",
     );
-    let latency =
-        facts.latency.map_or("-".to_owned(), |l| (l.as_secs_f64() * 1e3).round().to_string());
-    figure(ui, format!("{latency:>3} ms"), "From the last change to its first pixels.");
-    if snapshot.counts.nonfinite > 0 {
-        let text = format!("{} samples not finite", snapshot.counts.nonfinite);
-        let colour = ui.visuals().error_fg_color;
-        ui.add(Label::new(RichText::new(text).monospace().color(colour))).on_hover_text(
-            "Samples that were NaN or infinite. They are left out of the sums, so their pixels \
-             are wrong. This is a fault of burnish: please report it with the scene.",
-        );
+    let latency = facts.latency.map_or("-".to_owned(), |l| format!("{:.0}", l.as_secs_f64() * 1e3));
+    figure(ui, format!("{latency} ms"), "From the last change to its first pixels.");
+}
+
+fn nonfinite(ui: &mut Ui, snapshot: &Snapshot) {
+    let count = snapshot.counts.nonfinite;
+    if count == 0 {
+        return;
     }
+    let plural = if count == 1 { "" } else { "s" };
+    let text = RichText::new(format!("{count} sample{plural} not finite"));
+    ui.add(Label::new(text.color(ui.visuals().error_fg_color))).on_hover_text(
+        "Samples that were NaN or infinite. They are left out of the sums, so their pixels are \
+         wrong. This is a fault of burnish: please report it with the scene.",
+    );
 }
 
 fn scene(ui: &mut Ui, document: &Document) {
     let [w, h] = document.params.size;
     figure(ui, format!("{w} x {h}"), "Width and height of the picture in pixels.");
-    ui.add(Label::new(document.params.scene.name()).truncate());
+    let name = document.params.scene.name();
+    // A long name gives way to the progress.
+    ui.scope(|ui| {
+        ui.set_max_width(ui.available_width().min(240.0));
+        ui.add(Label::new(name).truncate()).on_hover_text(name);
+    });
 }
 
 fn warnings(ui: &mut Ui, document: &Document) {
@@ -118,8 +142,13 @@ fn pixel(ui: &mut Ui, hover: Hover) {
     figure(ui, format!("({x:>4}, {y:>4}) {}", triple(hover.mean)), &tip);
 }
 
+/// A text with a tooltip, if there is room for all of it.
 fn figure(ui: &mut Ui, text: String, tip: &str) {
-    ui.add(Label::new(RichText::new(text).monospace())).on_hover_text(tip);
+    let font = egui::TextStyle::Monospace.resolve(ui.style());
+    let galley = ui.painter().layout_no_wrap(text, font, Color32::PLACEHOLDER);
+    if galley.size().x <= ui.available_width() {
+        ui.add(Label::new(galley)).on_hover_text(tip);
+    }
 }
 
 fn percent(relative: f64) -> String {
@@ -128,10 +157,21 @@ fn percent(relative: f64) -> String {
 }
 
 /// 812, 45.1 k, 5.13 M.
-fn millions(rate: f64) -> String {
+fn short(rate: f64) -> String {
     match rate {
         r if r >= 1e6 => format!("{:.2} M", r / 1e6),
         r if r >= 1e3 => format!("{:.1} k", r / 1e3),
         r => format!("{r:.0}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_and_errors_are_short() {
+        assert_eq!([812.4, 45_120.0, 5.126e6].map(short), ["812", "45.1 k", "5.13 M"]);
+        assert_eq!([0.0181, 0.234, 0.0].map(percent), ["1.81 %", "23 %", "0.00 %"]);
     }
 }

@@ -539,8 +539,8 @@ fn the_help_lists_every_key_and_closes() {
     for binding in TABLE {
         let keys = keys::keys_text(&desk.harness.ctx, binding);
         assert!(desk.harness.query_all_by_label(&keys).count() >= 1, "{keys} is not listed");
-        let name = desk.harness.query_all_by_label(binding.name);
-        assert!(name.count() >= 1, "{} is not listed", binding.name);
+        let does = desk.harness.query_all_by_label(binding.does);
+        assert!(does.count() >= 1, "{} is not listed", binding.does);
     }
     for (what, _) in keys::MOUSE.iter().chain(keys::PICTURE_KEYS) {
         desk.harness.get_by_label(what);

@@ -102,7 +102,8 @@ fn visuals(dark: bool) -> Visuals {
     } else {
         Color32::from_rgb(0x96, 0x60, 0x2a)
     };
-    v.selection.stroke = Stroke::new(1.0, Color32::WHITE);
+    // Also the frame of the field that is typed into.
+    v.selection.stroke = Stroke::new(1.0, accent);
     v.text_cursor.stroke = Stroke::new(2.0, accent);
     v.slider_trailing_fill = true;
     v.handle_shape = egui::style::HandleShape::Circle;
@@ -147,10 +148,9 @@ pub(super) fn segmented(
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 1.0;
         ui.spacing_mut().button_padding.x = 4.0;
-        if weight == Weight::Quiet {
-            let (ground, text) = quiet(ui.visuals());
-            let selection = &mut ui.visuals_mut().selection;
-            (selection.bg_fill, selection.stroke.color) = (ground, text);
+        match weight {
+            Weight::Strong => ui.visuals_mut().selection.stroke.color = Color32::WHITE,
+            Weight::Quiet => quiet_choice(ui),
         }
         for (i, (words, tip, enabled)) in entries.iter().enumerate() {
             let round = |on: bool| if on { 4 } else { 0 };
@@ -177,10 +177,16 @@ pub(super) fn segmented(
     pressed
 }
 
-/// Ground and text of a choice that is not the accent's.
-fn quiet(visuals: &Visuals) -> (Color32, Color32) {
-    let grey = Color32::from_gray;
-    if visuals.dark_mode { (grey(0x5a), grey(0xff)) } else { (grey(0xb8), grey(0x00)) }
+/// Draws what is chosen in a lighter grey from here on, instead of in the accent.
+pub(super) fn quiet_choice(ui: &mut Ui) {
+    let (ground, text) = quiet(ui.visuals().dark_mode);
+    let selection = &mut ui.visuals_mut().selection;
+    (selection.bg_fill, selection.stroke.color) = (ground, text);
+}
+
+fn quiet(dark: bool) -> (Color32, Color32) {
+    let (ground, text) = if dark { (0x56, 0xff) } else { (0xb8, 0x00) };
+    (Color32::from_gray(ground), Color32::from_gray(text))
 }
 
 /// A line of the panel: a name in a column of its own, and what belongs to it.
@@ -297,7 +303,7 @@ pub(super) fn rule(ui: &mut Ui) {
 pub(super) fn swatch(ui: &mut Ui, linear: [f32; 3]) -> Response {
     let (rect, response) = ui.allocate_exact_size(Vec2::splat(12.0), Sense::hover());
     let colour = egui::Rgba::from_rgb(linear[0], linear[1], linear[2]);
-    let line = Stroke::new(1.0, ui.visuals().widgets.noninteractive.bg_stroke.color);
+    let line = Stroke::new(1.0, weak(ui).gamma_multiply(0.5));
     ui.painter().rect(rect, CornerRadius::same(2), colour, line, StrokeKind::Inside);
     response
 }
@@ -374,7 +380,8 @@ mod tests {
                 ("button", v.widgets.inactive.text_color(), v.widgets.inactive.bg_fill),
                 ("hovered", v.widgets.hovered.text_color(), v.widgets.hovered.bg_fill),
                 ("pressed", v.widgets.active.text_color(), v.widgets.active.bg_fill),
-                ("chosen", v.selection.stroke.color, v.selection.bg_fill),
+                ("chosen", Color32::WHITE, v.selection.bg_fill),
+                ("quietly chosen", quiet(dark).1, quiet(dark).0),
             ] {
                 let ratio = contrast(text, ground);
                 assert!(
