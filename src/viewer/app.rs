@@ -15,8 +15,8 @@ use super::render::Render;
 use super::report::ReportPanel;
 use super::save::{Job, Saving, stem};
 use super::status::{Facts, Status};
-use super::theme;
 use super::view::View;
+use super::{theme, widgets};
 use burnish::progressive::{Params, State};
 use egui::{
     Align2, Area, CentralPanel, Context, Frame, Id, Margin, Order, Panel, ScrollArea, Ui,
@@ -112,6 +112,9 @@ impl App {
     pub(super) fn ui(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         let mut actions = keys::pressed(&ctx, self.canvas.has_focus(&ctx));
+        if self.help.open {
+            actions.retain(|action| *action == Action::Help);
+        }
         self.dropped(&ctx);
         Panel::bottom("status").exact_size(28.0).frame(bar(ui)).show(ui, |ui| self.status(ui));
         let side = Frame::new().fill(ui.visuals().panel_fill);
@@ -137,6 +140,13 @@ impl App {
             self.act(&ctx, action);
         }
         self.tell(&ctx);
+    }
+
+    /// Takes note of how many seconds drawing one frame takes.
+    pub(super) fn drawing_takes(&self, seconds: f32) {
+        if let Some(render) = &self.render {
+            render.drawing_takes(seconds);
+        }
     }
 
     fn status(&mut self, ui: &mut Ui) {
@@ -177,7 +187,7 @@ impl App {
             ui.painter().text(space.center(), Align2::CENTER_CENTER, words, font, colour);
         }
         if ui.input(|i| !i.raw.hovered_files.is_empty()) {
-            theme::drop_target(ui, space);
+            widgets::drop_target(ui, space);
         }
         let Some(notice) = &mut self.notice else { return };
         let width = (space.width() - 32.0).min(720.0);

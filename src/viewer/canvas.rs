@@ -3,7 +3,7 @@
 use super::document::Document;
 use super::orbit;
 use super::texture::PictureTexture;
-use super::theme;
+use super::{theme, widgets};
 use burnish::progressive::Snapshot;
 use burnish::scene::Camera;
 use egui::{
@@ -105,7 +105,7 @@ impl Canvas {
             self.pointer(ui, &response, document, place, times);
             keyboard(ui, &response, document);
             if response.has_focus() {
-                theme::focus_frame(ui, place.intersect(space));
+                widgets::focus_frame(ui, place.intersect(space));
             }
         }
         response.widget_info(|| WidgetInfo::labeled(Role::Image, ui.is_enabled(), "Picture"));

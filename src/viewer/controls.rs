@@ -1,8 +1,10 @@
 //! The controls that matter most: model, roughness, passes.
 
 use super::document::{Document, Shown};
+use super::figures::digits;
 use super::keys::{self, Action};
-use super::theme::{self, Weight, digits};
+use super::theme;
+use super::widgets::{self, Weight};
 use burnish::brdf::{Model, Roughness};
 use burnish::progressive::Session;
 use egui::{Button, DragValue, RichText, Slider, Ui};
@@ -15,7 +17,7 @@ impl Controls {
         let asked = model(ui, document);
         ui.add_space(theme::GAP);
         roughness(ui, document);
-        theme::rule(ui);
+        widgets::rule(ui);
         passes(ui, document);
         asked.or(run(ui, document))
     }
@@ -24,7 +26,7 @@ impl Controls {
 fn model(ui: &mut Ui, document: &Document) -> Option<Action> {
     let chosen = Model::ALL.iter().position(|&m| m == document.params.model).unwrap_or(0);
     let entries = Model::ALL.map(|m| (m.title(), keys::tooltip(ui.ctx(), Action::Model(m)), true));
-    theme::segmented(ui, Weight::Strong, chosen, &entries).map(|i| Action::Model(Model::ALL[i]))
+    widgets::segmented(ui, Weight::Strong, chosen, &entries).map(|i| Action::Model(Model::ALL[i]))
 }
 
 fn roughness(ui: &mut Ui, document: &mut Document) {
@@ -65,9 +67,9 @@ fn roughness(ui: &mut Ui, document: &mut Document) {
         wanted = Roughness::from_alpha(alpha).ok();
     }
     let tip = "Roughness alpha, no unit, 0.0001 (mirror-like) to 1 (dull). Drag or type.";
-    theme::field(ui, "alpha", tip, |ui, label| {
+    widgets::field(ui, "alpha", tip, |ui, label| {
         let name = "a_p";
-        let width = (ui.available_width() - theme::text_width(ui, name)) / 2.0 - theme::GAP;
+        let width = (ui.available_width() - widgets::text_width(ui, name)) / 2.0 - theme::GAP;
         let size = egui::vec2(width, ui.spacing().interact_size.y);
         let mut alpha = value.alpha();
         let field = number(&mut alpha).range(low..=high).speed(0.01 * value.alpha()).min_size(size);
@@ -118,9 +120,12 @@ fn applies_to(ui: &mut Ui, document: &mut Document) {
     let all = "Every material that has a specular lobe.".to_owned();
     let entries = [("All", all, true), (words, tip, picked.is_some())];
     let chosen = usize::from(document.only_picked);
-    let pressed = theme::field(ui, "Applies to", "Which materials the slider and the two fields change.", |ui, _| {
-        theme::segmented(ui, Weight::Quiet, chosen, &entries)
-    });
+    let pressed = widgets::field(
+        ui,
+        "Applies to",
+        "Which materials the slider and the two fields change.",
+        |ui, _| widgets::segmented(ui, Weight::Quiet, chosen, &entries),
+    );
     if let Some(pressed) = pressed {
         document.only_picked = pressed == 1;
     }
@@ -129,7 +134,7 @@ fn applies_to(ui: &mut Ui, document: &mut Document) {
 fn passes(ui: &mut Ui, document: &mut Document) {
     let tip = "Tracing stops after this many passes; each adds one sample to every pixel. \
                1 to 4294967296. A higher limit goes on where it stopped.";
-    theme::field(ui, "Pass limit", tip, |ui, label| {
+    widgets::field(ui, "Pass limit", tip, |ui, label| {
         let mut limit = document.limit;
         let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
         let field = DragValue::new(&mut limit)
@@ -151,5 +156,5 @@ fn run(ui: &mut Ui, document: &Document) -> Option<Action> {
         (keys::binding(Action::Save).name, Action::Save),
     ];
     let tips = buttons.map(|(words, action)| (words, keys::tooltip(ui.ctx(), action)));
-    theme::button_row(ui, tips.into_iter()).map(|i| buttons[i].1)
+    widgets::button_row(ui, tips.into_iter()).map(|i| buttons[i].1)
 }

@@ -5,7 +5,7 @@ use super::theme;
 use egui::{Frame, Grid, Id, Margin, Modal, RichText, Ui};
 
 /// Least width of the column of keys and of that of words, in points.
-const COLUMNS: [f32; 2] = [136.0, 184.0];
+const COLUMNS: [f32; 2] = [152.0, 208.0];
 
 #[derive(Default)]
 pub(super) struct Help {
@@ -25,6 +25,8 @@ impl Help {
                 self.open = !ui.button("Close").clicked();
             });
             ui.add_space(theme::GROUP);
+            // Lines of text, not of buttons.
+            ui.spacing_mut().interact_size.y = 16.0;
             let (first, second) = TABLE.split_at(TABLE.len().div_ceil(2));
             side_by_side(ui, |ui| bindings(ui, first), |ui| bindings(ui, second));
             ui.add_space(theme::GROUP);

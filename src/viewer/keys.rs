@@ -183,7 +183,7 @@ pub(super) const MOUSE: &[(&str, &str)] = &[
     ("Left drag", "Orbit the camera"),
     ("Middle or Shift drag", "Pan the camera"),
     ("Wheel", "Dolly: nearer or farther"),
-    ("Click", "Pick the material; on the background, all of them"),
+    ("Click", "Pick the material, or all"),
     ("Ctrl-wheel", "Zoom the picture"),
     ("Right drag", "Move the zoomed picture"),
 ];

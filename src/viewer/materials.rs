@@ -1,12 +1,16 @@
 //! The scene's materials: pick one to edit its roughness.
 
 use super::document::{Document, has_lobe};
-use super::theme::{self, digits};
+use super::figures::digits;
+use super::theme;
+use super::widgets;
 use burnish::scene::{Material, MaterialId};
 use egui::{Align, Button, Layout, Response, RichText, ScrollArea, Ui};
 
-/// So many lines are shown at once; half a line tells that there are more.
+/// At least so many lines are shown at once; half a line tells that there are more.
 const LINES: f32 = 8.5;
+/// Height of all else in the panel, in points: a tall window has room for more lines.
+const REST: f32 = 600.0;
 
 #[derive(Default)]
 pub(super) struct Materials {
@@ -17,11 +21,12 @@ pub(super) struct Materials {
 impl Materials {
     pub(super) fn ui(&mut self, ui: &mut Ui, document: &mut Document) {
         let count = document.params.materials.len().to_string();
-        let count = theme::Badge { text: count, warns: false };
-        theme::section(ui, "materials", "Materials", Some(count), true, |ui| {
+        let count = widgets::Badge { text: count, warns: false };
+        widgets::section(ui, "materials", "Materials", Some(count), true, |ui| {
             ui.spacing_mut().item_spacing.y = 2.0;
             header(ui);
             let height = LINES * (ui.spacing().interact_size.y + ui.spacing().item_spacing.y);
+            let height = height.max(ui.clip_rect().height() - REST);
             let area = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
             area.show(ui, |ui| self.list(ui, document));
         });
@@ -83,12 +88,13 @@ fn row(ui: &mut Ui, material: &Material, chosen: bool) -> Response {
 fn swatches(ui: &mut Ui, material: &Material) {
     if material.emits() {
         let brightest = material.emission.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
-        theme::swatch(ui, material.emission.map(|c| c / brightest))
+        widgets::swatch(ui, material.emission.map(|c| c / brightest))
             .on_hover_text("Colour of the emitted radiance");
         ui.add_space(16.0);
     } else {
-        theme::swatch(ui, material.kd).on_hover_text("Diffuse reflectance Kd");
-        theme::swatch(ui, material.ks).on_hover_text("Specular reflectance at normal incidence Ks");
+        widgets::swatch(ui, material.kd).on_hover_text("Diffuse reflectance Kd");
+        widgets::swatch(ui, material.ks)
+            .on_hover_text("Specular reflectance at normal incidence Ks");
     }
 }
 

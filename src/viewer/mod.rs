@@ -10,6 +10,7 @@ mod app;
 mod canvas;
 mod controls;
 mod document;
+mod figures;
 mod help;
 mod keys;
 mod load;
@@ -26,6 +27,7 @@ mod status;
 mod texture;
 mod theme;
 mod view;
+mod widgets;
 
 #[cfg(test)]
 mod tests;
@@ -128,7 +130,10 @@ impl Shell {
 }
 
 impl eframe::App for Shell {
-    fn logic(&mut self, ctx: &egui::Context, _: &mut eframe::Frame) {
+    fn logic(&mut self, ctx: &egui::Context, frame: &mut eframe::Frame) {
+        if let Some(seconds) = frame.info().cpu_usage {
+            self.app.drawing_takes(seconds);
+        }
         self.app.logic(ctx);
     }
 
@@ -141,5 +146,18 @@ impl eframe::App for Shell {
 
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
         theme::surround(visuals).to_normalized_gamma_f32()
+    }
+}
+
+#[cfg(test)]
+mod reason_tests {
+    #[test]
+    fn what_happened_is_told_without_where_in_a_library() {
+        for (told, expected) in [
+            ("os error at /a/b/winit-0.30/src/x11/mod.rs:93: no server", "no server"),
+            ("plain words", "plain words"),
+        ] {
+            assert_eq!(super::last_part(told), expected);
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! The line in which the path of a scene is typed.
 
-use super::theme;
+use super::{theme, widgets};
 use egui::text::CCursorRange;
 use egui::{Id, Key, TextEdit, Ui};
 use std::path::PathBuf;
@@ -30,7 +30,7 @@ impl Open {
             let label = ui.label("Open scene");
             let buttons = ["Open", "Cancel"];
             let padding = theme::GAP + 2.0 * ui.spacing().button_padding.x;
-            let width: f32 = buttons.iter().map(|b| theme::text_width(ui, b) + padding).sum();
+            let width: f32 = buttons.iter().map(|b| widgets::text_width(ui, b) + padding).sum();
             let width = ui.available_width() - width.ceil();
             let field = TextEdit::singleline(&mut self.path)
                 .hint_text("path of a .scn, .obj or .ply file")

@@ -149,7 +149,7 @@ mod tests {
             let ahead = -to.dot(z);
             let half =
                 (ahead * c.ry * aspect.min(1.0)) / (1.0 + (c.ry * aspect.min(1.0)).powi(2)).sqrt();
-            assert!(half >= SUBJECT.radius && half < 1.1 * SUBJECT.radius, "{aspect}: {half}");
+            assert!((1.0..1.1).contains(&(half / SUBJECT.radius)), "{aspect}: {half}");
             assert!(to.dot(x).abs() < 1e-9 && to.dot(y).abs() < 1e-9);
         }
     }

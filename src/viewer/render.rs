@@ -5,12 +5,16 @@ use super::document::Document;
 use burnish::progressive::{Params, ParamsError, Session, Snapshot};
 use egui::Context;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// New pictures are shown at most this often; input and the first picture after a change are
-/// shown at once.
+/// New pictures are shown at most this often, and less often where drawing is slow. Input and the
+/// first picture after a change are shown at once.
 const FRAME: Duration = Duration::from_millis(33);
+const SLOWEST: Duration = Duration::from_millis(150);
+/// Drawing is to take no more than one part in so many of the time: the workers want the cores,
+/// too, where a processor has to do a graphics card's work.
+const SHARE: f32 = 3.0;
 
 pub(super) struct Render {
     session: Session,
@@ -26,6 +30,8 @@ pub(super) struct Render {
     pub(super) newest: Option<Snapshot>,
     /// Set while the first picture after a change is awaited.
     awaited: Arc<AtomicBool>,
+    /// Milliseconds from one picture to the next.
+    pace: Arc<AtomicU64>,
 }
 
 impl Render {
@@ -36,12 +42,13 @@ impl Render {
         threads: usize,
     ) -> Result<Render, ParamsError> {
         let awaited = Arc::new(AtomicBool::new(true));
-        let (flag, ctx) = (awaited.clone(), ctx.clone());
+        let pace = Arc::new(AtomicU64::new(FRAME.as_millis() as u64));
+        let (at_once, wait, ctx) = (awaited.clone(), pace.clone(), ctx.clone());
         let notify = move || {
-            if flag.load(Ordering::Relaxed) {
+            if at_once.load(Ordering::Relaxed) {
                 ctx.request_repaint();
             } else {
-                ctx.request_repaint_after(FRAME);
+                ctx.request_repaint_after(Duration::from_millis(wait.load(Ordering::Relaxed)));
             }
         };
         let told = document.params.clone();
@@ -56,6 +63,7 @@ impl Render {
             latency: None,
             newest: None,
             awaited,
+            pace,
         };
         render.tell(document)?;
         Ok(render)
@@ -98,6 +106,12 @@ impl Render {
         }
         self.newest = Some(snapshot);
         true
+    }
+
+    /// Takes note of how many seconds drawing one frame takes.
+    pub(super) fn drawing_takes(&self, seconds: f32) {
+        let wait = Duration::try_from_secs_f32(SHARE * seconds).unwrap_or(FRAME);
+        self.pace.store(wait.clamp(FRAME, SLOWEST).as_millis() as u64, Ordering::Relaxed);
     }
 
     fn await_first_pixels(&mut self) {

@@ -1,7 +1,7 @@
 //! What the scene's reader had to tell: warnings with their lines, and facts.
 
 use super::document::Document;
-use super::theme;
+use super::{theme, widgets};
 use burnish::scene::Warning;
 use egui::{Label, RichText, Ui};
 
@@ -12,11 +12,11 @@ impl ReportPanel {
         let warnings = &document.report.warnings;
         let badge = (!warnings.is_empty()).then(|| {
             let plural = if warnings.len() == 1 { "" } else { "s" };
-            theme::Badge { text: format!("{} warning{plural}", warnings.len()), warns: true }
+            widgets::Badge { text: format!("{} warning{plural}", warnings.len()), warns: true }
         });
         // The number keeps each scene's section apart: a new scene's warnings are seen once.
         let id = ("scene", document.number);
-        theme::section(ui, id, "Scene", badge, !warnings.is_empty(), |ui| {
+        widgets::section(ui, id, "Scene", badge, !warnings.is_empty(), |ui| {
             ui.spacing_mut().item_spacing.y = 4.0;
             for warning in warnings {
                 one(ui, warning);

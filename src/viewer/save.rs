@@ -57,10 +57,8 @@ impl Job {
         for path in [&png, &exr] {
             write(path, &picture, self.tone).map_err(|e| format!("no snapshot: {e}"))?;
         }
-        let shown = png.display().to_string();
-        let passes = self.snapshot.passes;
-        let plural = if passes == 1 { "pass" } else { "passes" };
-        Ok(format!("Wrote {shown} and the same name in .exr, {passes} {plural}"))
+        let plural = if self.snapshot.passes == 1 { "pass" } else { "passes" };
+        Ok(format!("Wrote {} and .exr ({} {plural})", png.display(), self.snapshot.passes))
     }
 }
 

@@ -2,7 +2,8 @@
 
 use super::canvas::Hover;
 use super::document::Document;
-use super::theme::{self, digits};
+use super::figures::{digits, percent, short};
+use super::theme;
 use burnish::progressive::{Snapshot, State};
 use egui::{Align, Color32, Label, Layout, Rect, RichText, Ui, UiBuilder};
 use std::time::Duration;
@@ -79,21 +80,24 @@ fn progress(ui: &mut Ui, document: &Document, facts: &Facts) {
         ui.label(RichText::new(state).strong());
     }
     let error = snapshot.error.map_or("-".to_owned(), |e| percent(e.relative));
-    figure(
-        ui,
-        format!("rel. error {error:<6}"),
-        "Square root of the mean over pixels and channels of variance / (mean\u{b2} + 0.01), \
-         estimated from independent replicates. \"-\" until they allow an estimate.",
-    );
     let seconds = snapshot.seconds;
     let rate = if seconds > 0.0 { snapshot.counts.paths as f64 / seconds } else { 0.0 };
-    figure(
-        ui,
-        format!("{:<15}", format!("{} paths/s", short(rate))),
-        "Camera paths a second since the first pass.",
-    );
+    let rate = format!("{} paths/s", short(rate));
     let latency = facts.latency.map_or("-".to_owned(), |l| format!("{:.0}", l.as_secs_f64() * 1e3));
-    figure(ui, format!("{latency} ms"), "From the last change to its first pixels.");
+    let figures = [
+        (
+            format!("rel. error {error:<6}"),
+            "Square root of the mean over pixels and channels of variance / (mean\u{b2} + 0.01), \
+             estimated from independent replicates. \"-\" until they allow an estimate.",
+        ),
+        (format!("{rate:<15}"), "Camera paths a second since the first pass."),
+        (format!("{latency} ms"), "From the last change to its first pixels."),
+    ];
+    for (text, tip) in figures {
+        if !figure(ui, text, tip) {
+            break;
+        }
+    }
 }
 
 fn nonfinite(ui: &mut Ui, snapshot: &Snapshot) {
@@ -142,36 +146,79 @@ fn pixel(ui: &mut Ui, hover: Hover) {
     figure(ui, format!("({x:>4}, {y:>4}) {}", triple(hover.mean)), &tip);
 }
 
-/// A text with a tooltip, if there is room for all of it.
-fn figure(ui: &mut Ui, text: String, tip: &str) {
+/// A text with a tooltip, if there is room for all of it; whether there was.
+fn figure(ui: &mut Ui, text: String, tip: &str) -> bool {
     let font = egui::TextStyle::Monospace.resolve(ui.style());
     let galley = ui.painter().layout_no_wrap(text, font, Color32::PLACEHOLDER);
-    if galley.size().x <= ui.available_width() {
+    let fits = galley.size().x <= ui.available_width();
+    if fits {
         ui.add(Label::new(galley)).on_hover_text(tip);
     }
-}
-
-fn percent(relative: f64) -> String {
-    let percent = relative * 100.0;
-    if percent >= 10.0 { format!("{percent:.0} %") } else { format!("{percent:.2} %") }
-}
-
-/// 812, 45.1 k, 5.13 M.
-fn short(rate: f64) -> String {
-    match rate {
-        r if r >= 1e6 => format!("{:.2} M", r / 1e6),
-        r if r >= 1e3 => format!("{:.1} k", r / 1e3),
-        r => format!("{r:.0}"),
-    }
+    fits
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use burnish::progressive::{Counts, ErrorEstimate, TileGrid};
+    use burnish::scene::{Report, SceneBuilder};
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+    use std::sync::Arc;
+
+    /// The words of the line for a snapshot.
+    fn words(width: f32, change: impl FnOnce(&mut Snapshot)) -> Vec<String> {
+        let scene = Arc::new(SceneBuilder::new("empty.scn").build());
+        let loaded = crate::viewer::load::Loaded { scene, report: Report::default() };
+        let document = Document::open(loaded, None);
+        let mut snapshot = Snapshot {
+            epoch: 1,
+            grid: TileGrid { size: [640, 480] },
+            tiles: Vec::new(),
+            dirty: Vec::new(),
+            passes: 12,
+            counts: Counts { paths: 3_000_000, ..Counts::default() },
+            error: None,
+            seconds: 2.0,
+            state: State::Running,
+        };
+        change(&mut snapshot);
+        let line = |ui: &mut Ui| {
+            let (document, snapshot) = (Some(&document), Some(&snapshot));
+            let facts = Facts { document, snapshot, latency: None, hover: None, loading: None };
+            Status.ui(ui, &facts);
+        };
+        let harness = Harness::builder().with_size([width, 28.0]).build_ui(line);
+        let labels = harness.get_all_by_role(egui::accesskit::Role::Label);
+        labels.filter_map(|node| node.value()).map(|text| text.trim_end().to_owned()).collect()
+    }
 
     #[test]
-    fn rates_and_errors_are_short() {
-        assert_eq!([812.4, 45_120.0, 5.126e6].map(short), ["812", "45.1 k", "5.13 M"]);
-        assert_eq!([0.0181, 0.234, 0.0].map(percent), ["1.81 %", "23 %", "0.00 %"]);
+    fn what_is_not_known_is_not_told() {
+        let words = words(1200.0, |_| {});
+        for expected in ["12 / 1024 passes", "rel. error -", "1.50 M paths/s", "- ms", "640 x 480"]
+        {
+            assert!(words.iter().any(|w| w == expected), "{expected}: {words:?}");
+        }
+    }
+
+    #[test]
+    fn states_errors_and_faults_are_told() {
+        let words = words(1200.0, |s| {
+            s.state = State::Done;
+            s.error = Some(ErrorEstimate { rel_mse: 1e-4, relative: 1e-2 });
+            s.counts.nonfinite = 3;
+        });
+        for expected in ["done", "rel. error 1.00 %", "3 samples not finite"] {
+            assert!(words.iter().any(|w| w == expected), "{expected}: {words:?}");
+        }
+    }
+
+    #[test]
+    fn what_has_no_room_is_left_out_from_the_end() {
+        let words = words(460.0, |_| {});
+        assert!(words.iter().any(|w| w == "12 / 1024 passes"), "{words:?}");
+        assert!(words.iter().any(|w| w == "empty.scn"), "{words:?}");
+        assert!(!words.iter().any(|w| w.ends_with("paths/s")), "{words:?}");
     }
 }

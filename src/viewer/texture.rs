@@ -136,3 +136,99 @@ fn colours(tone: Tone, pixels: &[[f32; 3]]) -> Vec<Color32> {
     tone.map(pixels, &mut colours, |[r, g, b]| Color32::from_rgb(r, g, b));
     colours
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::viewer::tests::Card;
+    use burnish::progressive::{Counts, State};
+    use egui_kittest::TestRenderer;
+
+    /// A picture whose red tells the column and whose green the row.
+    fn snapshot(size: [u32; 2], keep: impl Fn(usize) -> bool) -> Snapshot {
+        let grid = TileGrid { size };
+        let tile = |index| {
+            let rect = grid.rect(index);
+            let pixel =
+                |x: u32, y: u32| [x as f32 / size[0] as f32, y as f32 / size[1] as f32, 0.5];
+            let rows = (rect.y0..rect.y1).flat_map(|y| (rect.x0..rect.x1).map(move |x| (x, y)));
+            let mean = rows.map(|(x, y)| pixel(x, y)).collect();
+            TileImage { passes: 1, mean, standard_error: Vec::new(), block: 1 }
+        };
+        Snapshot {
+            epoch: 1,
+            grid,
+            tiles: (0..grid.len()).map(|i| keep(i).then(|| Arc::new(tile(i)))).collect(),
+            dirty: Vec::new(),
+            passes: 1,
+            counts: Counts::default(),
+            error: None,
+            seconds: 0.0,
+            state: State::Done,
+        }
+    }
+
+    fn upload(ctx: &Context, card: &mut Card) {
+        card.handle_delta(&mut ctx.tex_manager().write().take_delta());
+    }
+
+    /// Whether the card shows the snapshot where that has tiles, and black elsewhere.
+    fn shows(card: &Card, texture: &PictureTexture, snapshot: &Snapshot) -> bool {
+        let picture = snapshot.mean();
+        texture.sheets.iter().all(|sheet| {
+            let codes = card.codes(sheet.texture.id());
+            let [w, h] = sheet.size;
+            assert_eq!(codes.len(), (w * h) as usize);
+            (0..w * h).all(|i| {
+                let (x, y) = (sheet.origin[0] + i % w, sheet.origin[1] + i / w);
+                let [r, g, b] =
+                    texture.tone.exact(picture.pixels[(y * picture.width + x) as usize]);
+                codes[i as usize] == Color32::from_rgb(r, g, b)
+            })
+        })
+    }
+
+    #[test]
+    fn pictures_beyond_one_sheet_are_cut_at_whole_tiles() {
+        for size in [[SHEET + 40, 70], [33, SHEET + 1], [SHEET, 31], [1, 1]] {
+            let (ctx, mut card) = (Context::default(), Card::default());
+            let whole = snapshot(size, |_| true);
+            let mut texture = PictureTexture::new(&ctx, whole.grid, Tone::default());
+            assert_eq!(texture.show(&whole), whole.grid.len());
+            upload(&ctx, &mut card);
+            assert!(shows(&card, &texture, &whole), "{size:?}");
+            let tone = Tone { exposure: 1.0, ..Tone::default() };
+            texture.restyle(tone, TextureOptions::LINEAR);
+            upload(&ctx, &mut card);
+            assert!(shows(&card, &texture, &whole), "{size:?}, exposed");
+        }
+    }
+
+    #[test]
+    fn only_new_tiles_are_uploaded_and_missing_ones_stay() {
+        let (ctx, mut card) = (Context::default(), Card::default());
+        let whole = snapshot([100, 100], |_| true);
+        let mut texture = PictureTexture::new(&ctx, whole.grid, Tone::default());
+        assert_eq!(texture.show(&whole), 16);
+        assert_eq!(texture.show(&whole), 0, "nothing is new");
+        let mut next = whole.clone();
+        next.tiles[5] = snapshot([100, 100], |_| true).tiles[5].clone();
+        next.tiles[6] = None;
+        assert_eq!(texture.show(&next), 1);
+        upload(&ctx, &mut card);
+        assert!(shows(&card, &texture, &whole));
+    }
+
+    #[test]
+    fn a_pixel_is_found_in_its_tile() {
+        let ctx = Context::default();
+        let whole = snapshot([70, 40], |i| i != 0);
+        let mut texture = PictureTexture::new(&ctx, whole.grid, Tone::default());
+        texture.show(&whole);
+        assert_eq!(texture.pixel([3, 3]), None, "not traced yet");
+        let mean = whole.mean();
+        for at @ [x, y] in [[69, 39], [32, 0], [31, 32]] {
+            assert_eq!(texture.pixel(at), Some((mean.pixels[(y * 70 + x) as usize], None)));
+        }
+    }
+}

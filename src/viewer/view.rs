@@ -2,7 +2,7 @@
 
 use super::document::Document;
 use super::keys::{self, Action};
-use super::theme::{self, Weight};
+use super::widgets::{self, Weight};
 use burnish::picture::Curve;
 use egui::{Slider, ThemePreference, Ui};
 
@@ -13,7 +13,7 @@ impl View {
     const STOPS: std::ops::RangeInclusive<f32> = -10.0..=10.0;
 
     pub(super) fn ui(&mut self, ui: &mut Ui, document: &mut Document) -> Option<Action> {
-        let asked = theme::section(ui, "view", "View", None, true, |ui| {
+        let asked = widgets::section(ui, "view", "View", None, true, |ui| {
             exposure(ui, document);
             curve(ui, document);
             let asked = camera(ui);
@@ -32,7 +32,7 @@ impl View {
 
 fn exposure(ui: &mut Ui, document: &mut Document) {
     let tip = "Shown is radiance times 2^stops. Keys: E and Shift-E. Double-click for 0.";
-    theme::field(ui, "Exposure", tip, |ui, label| {
+    widgets::field(ui, "Exposure", tip, |ui, label| {
         ui.spacing_mut().slider_width = ui.available_width() - 80.0;
         ui.spacing_mut().interact_size.x = 72.0;
         let slider = Slider::new(&mut document.tone.exposure, View::STOPS)
@@ -47,10 +47,10 @@ fn exposure(ui: &mut Ui, document: &mut Document) {
 
 fn curve(ui: &mut Ui, document: &mut Document) {
     let tip = "How radiance beyond the screen's white is shown. Of the display and PNG only.";
-    theme::field(ui, "Curve", tip, |ui, _| {
+    widgets::field(ui, "Curve", tip, |ui, _| {
         let chosen = Curve::ALL.iter().position(|&c| c == document.tone.curve).unwrap_or(0);
         let entries = Curve::ALL.map(|c| (c.title(), describe(c).to_owned(), true));
-        if let Some(i) = theme::segmented(ui, Weight::Quiet, chosen, &entries) {
+        if let Some(i) = widgets::segmented(ui, Weight::Quiet, chosen, &entries) {
             document.tone.curve = Curve::ALL[i];
         }
     });
@@ -67,8 +67,8 @@ fn describe(curve: Curve) -> &'static str {
 fn camera(ui: &mut Ui) -> Option<Action> {
     const ACTIONS: [Action; 3] = [Action::Home, Action::Frame, Action::CopyCamera];
     let tips = ACTIONS.map(|a| (keys::binding(a).name, keys::tooltip(ui.ctx(), a)));
-    theme::field(ui, "Camera", "", |ui, _| {
-        theme::button_row(ui, tips.into_iter()).map(|i| ACTIONS[i])
+    widgets::field(ui, "Camera", "", |ui, _| {
+        widgets::button_row(ui, tips.into_iter()).map(|i| ACTIONS[i])
     })
 }
 
@@ -81,8 +81,8 @@ fn appearance(ui: &mut Ui) {
     let present = ui.ctx().options(|o| o.theme_preference);
     let chosen = THEMES.iter().position(|t| t.0 == present).unwrap_or(0);
     let entries = THEMES.map(|(_, words, tip)| (words, tip.to_owned(), true));
-    theme::field(ui, "Window", "", |ui, _| {
-        if let Some(i) = theme::segmented(ui, Weight::Quiet, chosen, &entries) {
+    widgets::field(ui, "Window", "", |ui, _| {
+        if let Some(i) = widgets::segmented(ui, Weight::Quiet, chosen, &entries) {
             ui.ctx().set_theme(THEMES[i].0);
         }
     });
