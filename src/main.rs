@@ -1,2 +1,9 @@
-//! burnish
-fn main() {}
+//! burnish: look at microfacet BRDFs in a path-traced picture that gets better as you watch.
+
+mod cli;
+#[cfg(feature = "viewer")]
+mod viewer;
+
+fn main() -> std::process::ExitCode {
+    cli::main()
+}

@@ -92,7 +92,7 @@ impl<L: Lane> Lobes<L> {
         let d = M::d(self.width, h);
         let weight = schlick_weight(one_minus_dot(wo, wi, h2));
         let cos_over_dot = (h.z + h.z) / h2;
-        self.combine::<M>(wo, wi, d, weight, cos_over_dot, above)
+        self.combine::<M>(wo, wi, self.p_specular(wo), d, weight, cos_over_dot, above)
     }
 
     /// A direction for the viewer `wo` (z > 0) from a uniform number for the lobe and two for the
@@ -105,11 +105,14 @@ impl<L: Lane> Lobes<L> {
             let e = self.diffuse_only(wi, above(wo, wi));
             return LobeSample { wi, f: e.f, pdf: e.pdf };
         }
-        let take_specular = choice.lt(self.p_specular(wo));
-        let wm = M::sample_wm(self.width, wo, u);
+        let p = self.p_specular(wo);
+        let take_specular = choice.lt(p);
+        // What no lane takes is not computed.
+        let nothing = V3::splat(L::splat(0.0));
+        let wm = if take_specular.any() { M::sample_wm(self.width, wo, u) } else { nothing };
         let dot = wo.dot(wm);
         let mirrored = wm * (dot + dot) - wo;
-        let diffuse = cosine_hemisphere(u);
+        let diffuse = if take_specular.all() { nothing } else { cosine_hemisphere(u) };
         let wi = V3::select(take_specular, mirrored, diffuse);
         let h = wi + wo;
         let h2 = h.length2();
@@ -120,7 +123,8 @@ impl<L: Lane> Lobes<L> {
         let cos_over_dot = L::select(take_specular, wm.z / dot, (h.z + h.z) / h2);
         let facing = dot.gt(L::splat(0.0)) | !take_specular;
         let weight = schlick_weight(one_minus_d);
-        let e = self.combine::<M>(wo, wi, d, weight, cos_over_dot, above(wo, wi) & facing);
+        let valid = above(wo, wi) & facing;
+        let e = self.combine::<M>(wo, wi, p, d, weight, cos_over_dot, valid);
         LobeSample { wi, f: e.f, pdf: e.pdf }
     }
 
@@ -134,10 +138,12 @@ impl<L: Lane> Lobes<L> {
     }
 
     #[inline(always)]
+    #[allow(clippy::too_many_arguments)] // the shared tail of eval and sample
     fn combine<M: Microfacet>(
         &self,
         wo: V3<L>,
         wi: V3<L>,
+        p: L,
         d: L,
         weight: L,
         cos_over_dot: L,
@@ -146,7 +152,6 @@ impl<L: Lane> Lobes<L> {
         let g = M::g1_over_cos(self.width, wi) * M::g1_over_cos(self.width, wo);
         let lobe = (d * (g * L::splat(0.25))).or_zero(self.has_specular());
         let f = self.kd.map(|kd| kd * L::splat(INV_PI)) + schlick(self.ks, weight) * lobe;
-        let p = self.p_specular(wo);
         let specular = M::pdf_wi(self.width, wo, d, cos_over_dot).or_zero(p.gt(L::splat(0.0)));
         let pdf = p * specular + (L::splat(1.0) - p) * cosine_hemisphere_pdf(wi.z);
         let valid = valid & pdf.gt(L::splat(0.0));

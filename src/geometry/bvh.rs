@@ -244,6 +244,11 @@ impl<'a> Widener<'a> {
             }
             lane += 1;
         }
+        // Unused lanes repeat the first triangle: by the tie rule that changes nothing.
+        for spare in lane..8 {
+            pack.id[spare] = pack.id[0];
+            pack.v.iter_mut().flatten().for_each(|row| row[spare] = row[0]);
+        }
         bvh.packs.push(pack);
         PACK | (bvh.packs.len() as u32 - 1)
     }

@@ -31,7 +31,7 @@ impl Cylinder {
     }
 
     /// Smallest distance t in (0, t_max] at which `o + t d` is on the surface.
-    #[inline]
+    #[inline(always)]
     pub fn intersect(&self, o: V3, d: V3, t_max: f32) -> Option<f32> {
         let o = self.frame.to_local(o - self.base);
         let d = self.frame.to_local(d);
@@ -69,7 +69,7 @@ impl Cylinder {
     }
 
     /// The surface nearest to `p`, which is on it but for rounding.
-    #[inline]
+    #[inline(always)]
     pub fn surface(&self, p: V3) -> SurfacePoint {
         let mut q = self.frame.to_local(p - self.base);
         let across = (q.x * q.x + q.y * q.y).sqrt();

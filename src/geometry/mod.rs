@@ -103,7 +103,7 @@ impl Geometry {
         self.len() == 0
     }
     /// Which shape a primitive index names; it must be below [`Geometry::len`].
-    #[inline]
+    #[inline(always)]
     pub fn kind(&self, primitive: u32) -> Kind {
         let i = primitive as usize;
         let spheres = self.triangles.len();
@@ -117,17 +117,17 @@ impl Geometry {
         }
     }
     /// The corners of a triangle.
-    #[inline]
+    #[inline(always)]
     pub fn corners(&self, triangle: usize) -> [V3; 3] {
         self.triangles[triangle].map(|i| self.positions[i as usize])
     }
     /// The point of a triangle at barycentric weights `b` of its second and third vertex.
-    #[inline]
+    #[inline(always)]
     pub fn triangle_surface(&self, triangle: usize, b: [f32; 2]) -> SurfacePoint {
         triangle::surface(self, triangle, b)
     }
     /// The surface at a hit of `ray`.
-    #[inline]
+    #[inline(always)]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         match self.kind(hit.primitive) {
             Kind::Triangle(i) => triangle::surface(self, i, hit.b),

@@ -12,20 +12,14 @@ pub(super) const ROUNDING: f32 = f32::EPSILON * 0.5;
 
 /// The point moved off its surface to the side of `towards`. `error` bounds the point's error in
 /// each component and that of meeting the surface again; `ng` is unit.
-#[inline]
+#[inline(always)]
 pub fn offset_origin(p: V3, error: V3, ng: V3, towards: V3) -> V3 {
     let distance = ng.abs().dot(error);
     let offset = if ng.dot(towards) >= 0.0 { ng * distance } else { -(ng * distance) };
-    // The sum itself is rounded: take the next number outwards.
+    // The sum itself is rounded: go on by one more rounding.
     let step = |p: f32, o: f32| {
         let q = p + o;
-        if o > 0.0 {
-            q.next_up()
-        } else if o < 0.0 {
-            q.next_down()
-        } else {
-            q
-        }
+        q + (q.abs() * f32::EPSILON).copysign(o)
     };
     V3::new(step(p.x, offset.x), step(p.y, offset.y), step(p.z, offset.z))
 }

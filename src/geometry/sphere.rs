@@ -19,7 +19,7 @@ impl Sphere {
     /// The discriminant comes from the distance between centre and line, not from b² - 4ac, which
     /// cancels for small or distant spheres (Haines, Günther and Akenine-Möller, "Precision
     /// improvements for ray/sphere intersection", Ray Tracing Gems 2019, ch. 7).
-    #[inline]
+    #[inline(always)]
     pub fn intersect(&self, o: V3, d: V3, t_max: f32) -> Option<f32> {
         let f = o - self.centre;
         let a = d.length2();
@@ -39,7 +39,7 @@ impl Sphere {
     }
 
     /// The surface nearest to `p`.
-    #[inline]
+    #[inline(always)]
     pub fn surface(&self, p: V3) -> SurfacePoint {
         let n = (p - self.centre).normalize();
         let p = self.centre + n * self.radius;

@@ -18,7 +18,7 @@ pub struct Ray {
 
 impl Ray {
     /// The point at distance `t`.
-    #[inline]
+    #[inline(always)]
     pub fn at(&self, t: f32) -> V3 {
         self.o + self.d * t
     }
@@ -36,7 +36,6 @@ impl Bvh {
 
     /// The nearest hit at `0 < t <= t_max`; of equally near ones the lowest primitive. A ray with
     /// a NaN, or without a direction, hits nothing.
-    #[inline]
     pub fn closest(
         &self,
         geometry: &Geometry,
@@ -44,13 +43,28 @@ impl Bvh {
         t_max: f32,
         stack: &mut Stack,
     ) -> Option<Hit> {
-        dispatch(self.isa, Closest { bvh: self, geometry, ray, t_max, stack })
+        struct Closest<'a>(&'a Bvh, &'a Geometry, &'a Ray, f32, &'a mut Stack);
+        impl Kernel for Closest<'_> {
+            type Output = Option<Hit>;
+            #[inline(always)]
+            fn run<W: Wide>(self) -> Option<Hit> {
+                self.0.closest_with::<W>(self.1, self.2, self.3, self.4)
+            }
+        }
+        dispatch(self.isa, Closest(self, geometry, ray, t_max, stack))
     }
 
     /// Whether anything is hit at `0 < t <= t_max`.
-    #[inline]
     pub fn occluded(&self, geometry: &Geometry, ray: &Ray, t_max: f32, stack: &mut Stack) -> bool {
-        dispatch(self.isa, Occluded { bvh: self, geometry, ray, t_max, stack })
+        struct Occluded<'a>(&'a Bvh, &'a Geometry, &'a Ray, f32, &'a mut Stack);
+        impl Kernel for Occluded<'_> {
+            type Output = bool;
+            #[inline(always)]
+            fn run<W: Wide>(self) -> bool {
+                self.0.occluded_with::<W>(self.1, self.2, self.3, self.4)
+            }
+        }
+        dispatch(self.isa, Occluded(self, geometry, ray, t_max, stack))
     }
 }
 
@@ -93,19 +107,29 @@ impl<W: Wide> Slabs<W> {
         slabs
     }
 
+    /// Distances to a row of planes.
+    #[inline(always)]
+    fn planes(&self, row: &[f32; 8], origin: W, axis: usize) -> W {
+        (W::load(row) - origin) * self.inverse[axis]
+    }
+
+    #[inline(always)]
+    fn near(&self, node: &Node, axis: usize) -> W {
+        self.planes(&node.bounds[self.near[axis]], self.near_origin[axis], axis)
+    }
+
+    #[inline(always)]
+    fn far(&self, node: &Node, axis: usize) -> W {
+        self.planes(&node.bounds[self.near[axis] ^ 1], self.far_origin[axis], axis)
+    }
+
     /// Entry distances, and lanes whose box is met before `t_max`.
     #[inline(always)]
     fn test(&self, node: &Node, t_max: f32) -> (W, u32) {
-        let near = |axis: usize| {
-            (W::load(&node.bounds[self.near[axis]]) - self.near_origin[axis]) * self.inverse[axis]
-        };
-        let far = |axis: usize| {
-            (W::load(&node.bounds[self.near[axis] ^ 1]) - self.far_origin[axis])
-                * self.inverse[axis]
-        };
-        let enter = near(0).max(near(1)).max(near(2)).max(W::splat(0.0));
-        let leave = far(0).min(far(1)).min(far(2)).min(W::splat(t_max));
-        (enter, enter.le(leave).bits())
+        let enter = self.near(node, 0).max(self.near(node, 1)).max(self.near(node, 2));
+        let leave = self.far(node, 0).min(self.far(node, 1)).min(self.far(node, 2));
+        let enter = enter.max(W::splat(0.0));
+        (enter, enter.le(leave.min(W::splat(t_max))).bits())
     }
 }
 
@@ -115,32 +139,29 @@ fn is_traceable(ray: &Ray) -> bool {
     finite(ray.o) && finite(ray.d) && fastest > 1e-18 && fastest < 1e18
 }
 
-struct Closest<'a> {
-    bvh: &'a Bvh,
-    geometry: &'a Geometry,
-    ray: &'a Ray,
-    t_max: f32,
-    stack: &'a mut Stack,
-}
-
-impl Kernel for Closest<'_> {
-    type Output = Option<Hit>;
-
+impl Bvh {
+    /// [`Bvh::closest`] for callers that run under an instruction set already.
     #[inline(always)]
-    fn run<W: Wide>(self) -> Option<Hit> {
-        let mut word = self.bvh.root?;
-        if !is_traceable(self.ray) {
+    pub(crate) fn closest_with<W: Wide>(
+        &self,
+        geometry: &Geometry,
+        ray: &Ray,
+        t_max: f32,
+        stack: &mut Stack,
+    ) -> Option<Hit> {
+        let mut word = self.root?;
+        if !is_traceable(ray) {
             return None;
         }
-        let slabs = Slabs::<W>::new(self.ray);
-        let sheared = Sheared::new(self.ray.o, self.ray.d);
-        let stack = &mut self.stack.0;
+        let slabs = Slabs::<W>::new(ray);
+        let sheared = Sheared::new(ray.o, ray.d);
+        let stack = &mut stack.0;
         let mut top = 0;
-        let mut best = Hit { t: self.t_max, primitive: u32::MAX, b: [0.0; 2] };
+        let mut best = Hit { t: t_max, primitive: u32::MAX, b: [0.0; 2] };
         loop {
             match child(word) {
                 Child::Node(index) => {
-                    let node = &self.bvh.nodes[index];
+                    let node = &self.nodes[index];
                     let (enter, mut mask) = slabs.test(node, best.t);
                     if mask != 0 {
                         let first = mask.trailing_zeros() as usize;
@@ -173,7 +194,7 @@ impl Kernel for Closest<'_> {
                     }
                 }
                 Child::Pack(index) => {
-                    let pack = &self.bvh.packs[index];
+                    let pack = &self.packs[index];
                     if let Some(hits) = triangle::intersect::<W>(pack, &sheared, best.t) {
                         let mut mask = hits.mask;
                         while mask != 0 {
@@ -189,7 +210,7 @@ impl Kernel for Closest<'_> {
                     }
                 }
                 Child::Quadric(primitive) => {
-                    if let Some(t) = quadric(self.geometry, primitive, self.ray, best.t) {
+                    if let Some(t) = quadric(geometry, primitive, ray, best.t) {
                         take_nearer(&mut best, t, primitive, [0.0; 2]);
                     }
                 }
@@ -216,7 +237,7 @@ fn take_nearer(best: &mut Hit, t: f32, primitive: u32, b: [f32; 2]) {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn quadric(geometry: &Geometry, primitive: u32, ray: &Ray, t_max: f32) -> Option<f32> {
     match geometry.kind(primitive) {
         Kind::Sphere(i) => geometry.spheres[i].intersect(ray.o, ray.d, t_max),
@@ -225,34 +246,31 @@ fn quadric(geometry: &Geometry, primitive: u32, ray: &Ray, t_max: f32) -> Option
     }
 }
 
-struct Occluded<'a> {
-    bvh: &'a Bvh,
-    geometry: &'a Geometry,
-    ray: &'a Ray,
-    t_max: f32,
-    stack: &'a mut Stack,
-}
-
-impl Kernel for Occluded<'_> {
-    type Output = bool;
-
+impl Bvh {
+    /// [`Bvh::occluded`] for callers that run under an instruction set already.
     #[inline(always)]
-    fn run<W: Wide>(self) -> bool {
-        let Some(root) = self.bvh.root else { return false };
-        if !is_traceable(self.ray) {
+    pub(crate) fn occluded_with<W: Wide>(
+        &self,
+        geometry: &Geometry,
+        ray: &Ray,
+        t_max: f32,
+        stack: &mut Stack,
+    ) -> bool {
+        let Some(root) = self.root else { return false };
+        if !is_traceable(ray) {
             return false;
         }
-        let slabs = Slabs::<W>::new(self.ray);
-        let sheared = Sheared::new(self.ray.o, self.ray.d);
-        let stack = &mut self.stack.0;
+        let slabs = Slabs::<W>::new(ray);
+        let sheared = Sheared::new(ray.o, ray.d);
+        let stack = &mut stack.0;
         stack[0].1 = root;
         let mut top = 1;
         while top > 0 {
             top -= 1;
             match child(stack[top].1) {
                 Child::Node(index) => {
-                    let node = &self.bvh.nodes[index];
-                    let (_, mut mask) = slabs.test(node, self.t_max);
+                    let node = &self.nodes[index];
+                    let (_, mut mask) = slabs.test(node, t_max);
                     while mask != 0 {
                         let i = mask.trailing_zeros() as usize;
                         mask &= mask - 1;
@@ -261,13 +279,13 @@ impl Kernel for Occluded<'_> {
                     }
                 }
                 Child::Pack(index) => {
-                    let pack = &self.bvh.packs[index];
-                    if triangle::intersect::<W>(pack, &sheared, self.t_max).is_some() {
+                    let pack = &self.packs[index];
+                    if triangle::intersect::<W>(pack, &sheared, t_max).is_some() {
                         return true;
                     }
                 }
                 Child::Quadric(primitive) => {
-                    if quadric(self.geometry, primitive, self.ray, self.t_max).is_some() {
+                    if quadric(geometry, primitive, ray, t_max).is_some() {
                         return true;
                     }
                 }

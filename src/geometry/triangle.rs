@@ -5,8 +5,7 @@ use super::{Geometry, SurfacePoint};
 use crate::math::lanes::Wide;
 use crate::math::{Mask, V3};
 
-/// Eight triangles by component: `v[vertex][axis][lane]`. Unused lanes hold points, which no ray
-/// hits.
+/// Eight triangles by component: `v[vertex][axis][lane]`.
 #[derive(Clone, Debug)]
 #[repr(align(32))]
 pub(super) struct Pack {
@@ -64,18 +63,9 @@ pub(super) struct PackHits {
 #[inline(always)]
 pub(super) fn intersect<W: Wide>(pack: &Pack, ray: &Sheared, t_max: f32) -> Option<PackHits> {
     let zero = W::splat(0.0);
-    let [kx, ky, kz] = ray.k;
-    let (ox, oy, oz) = (W::splat(ray.o[0]), W::splat(ray.o[1]), W::splat(ray.o[2]));
-    let (sx, sy) = (W::splat(ray.s[0]), W::splat(ray.s[1]));
-    let shear = |v: &[[f32; 8]; 3]| {
-        let z = W::load(&v[kz]) - oz;
-        let x = (W::load(&v[kx]) - ox) - sx * z;
-        let y = (W::load(&v[ky]) - oy) - sy * z;
-        (x, y, z)
-    };
-    let (ax, ay, az) = shear(&pack.v[0]);
-    let (bx, by, bz) = shear(&pack.v[1]);
-    let (cx, cy, cz) = shear(&pack.v[2]);
+    let (ax, ay, az) = shear::<W>(&pack.v[0], ray);
+    let (bx, by, bz) = shear::<W>(&pack.v[1], ray);
+    let (cx, cy, cz) = shear::<W>(&pack.v[2], ray);
     let mut u = cx * by - cy * bx;
     let mut v = ax * cy - ay * cx;
     let mut w = bx * ay - by * ax;
@@ -106,6 +96,17 @@ pub(super) fn intersect<W: Wide>(pack: &Pack, ray: &Sheared, t_max: f32) -> Opti
     })
 }
 
+/// Eight vertices in the ray's frame. (A function, not a closure: closures cannot be made to inline,
+/// and wide code that is not inlined is not compiled for its instruction set.)
+#[inline(always)]
+fn shear<W: Wide>(v: &[[f32; 8]; 3], ray: &Sheared) -> (W, W, W) {
+    let [kx, ky, kz] = ray.k;
+    let z = W::load(&v[kz]) - W::splat(ray.o[2]);
+    let x = (W::load(&v[kx]) - W::splat(ray.o[0])) - W::splat(ray.s[0]) * z;
+    let y = (W::load(&v[ky]) - W::splat(ray.o[1])) - W::splat(ray.s[1]) * z;
+    (x, y, z)
+}
+
 /// The edge functions again in f64 for these lanes, kept apart from zero where they are not zero.
 #[cold]
 #[inline(never)]
@@ -133,7 +134,7 @@ fn decide_edges<W: Wide>(
 }
 
 /// The surface at barycentric weights `b` of the second and third vertex.
-#[inline]
+#[inline(always)]
 pub(super) fn surface(geometry: &Geometry, triangle: usize, b: [f32; 2]) -> SurfacePoint {
     let indices = geometry.triangles[triangle];
     let [v0, v1, v2] = indices.map(|i| geometry.positions[i as usize]);

@@ -59,25 +59,15 @@ fn scramble_reversed<B: Bits>(x: B, seed: B) -> B {
     x ^ (x * B::splat(0x53a2_2864))
 }
 
-/// Columns of the second Sobol dimension: entry j is what index bit j adds, as 32 bits.
-const SOBOL_1: [u32; 16] = sobol_1();
-
-const fn sobol_1() -> [u32; 16] {
-    // The Pascal matrix modulo 2: column j has bit i where binomial(j, i) is odd.
-    let mut columns = [0u32; 16];
-    let mut j = 0;
-    while j < 16 {
-        let mut i = 0;
-        while i <= j {
-            // Lucas: binomial(j, i) is odd exactly where i's bits are within j's.
-            if i & !j == 0 {
-                columns[j] |= 1 << (31 - i);
-            }
-            i += 1;
-        }
-        j += 1;
-    }
-    columns
+/// The second Sobol dimension of a 16-bit index, reversed: bit i of the result is the parity of the
+/// index bits j whose number has all the bits of i (the Pascal matrix modulo 2, by Lucas).
+#[inline(always)]
+fn sobol_1_reversed<B: Bits>(index: B) -> B {
+    let step = |x: B, by: u32, low: u32| x ^ ((x >> by) & B::splat(low));
+    let x = step(index, 1, 0x5555);
+    let x = step(x, 2, 0x3333);
+    let x = step(x, 4, 0x0f0f);
+    step(x, 8, 0x00ff)
 }
 
 /// The stream of one path (or of a lane's worth of paths).
@@ -117,15 +107,10 @@ impl<B: Bits> Stream<B> {
         // Shuffling the index within 16 bits: low bits of the scrambled number depend on low bits
         // only, so the rest may be cut off.
         let index = (scramble_reversed(self.reversed, a) & B::splat(0xffff)).reverse_bits() >> 16;
-        // Dimension 0 is the bit reversal of the index, dimension 1 the Pascal matrix.
-        let mut second = B::splat(0);
-        for (j, &column) in SOBOL_1.iter().enumerate() {
-            let bit = (index >> j as u32) & B::splat(1);
-            second = second ^ (bit * B::splat(column));
-        }
+        // Dimension 0 is the reversed index itself; both are scrambled while still reversed.
         [
             scramble_reversed(index, b).reverse_bits(),
-            scramble_reversed(second.reverse_bits(), c).reverse_bits(),
+            scramble_reversed(sobol_1_reversed(index), c).reverse_bits(),
         ]
     }
 }

@@ -1,5 +1,13 @@
 //! Pictures: the tone curve, files in and out.
 
+mod atomic;
+mod files;
+mod tone;
+
+pub use atomic::{SaveError, Sink, check_writable, replace_file};
+pub use files::{Format, ReadError, read_exr, write};
+pub use tone::{Curve, NAN_COLOUR, Tone};
+
 /// Radiance of every pixel, linear Rec. 709, rows from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {

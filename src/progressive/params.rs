@@ -3,6 +3,7 @@
 use crate::brdf::{Model, Roughness};
 use crate::math::sequence::REPLICATES;
 use crate::scene::{Camera, Material, Scene};
+use crate::trace::Strategy;
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -25,6 +26,8 @@ pub struct Params {
     /// At most this many scattering events (at least 1) between camera and light; `None` for no
     /// limit but Russian roulette and a counted safety cap.
     pub max_depth: Option<u32>,
+    /// How light is found.
+    pub strategy: Strategy,
 }
 
 /// Parameters that cannot be rendered.
@@ -77,6 +80,7 @@ impl Params {
             model: Model::Ggx,
             seed: 0,
             max_depth: None,
+            strategy: Strategy::Mis,
             scene,
         }
     }
@@ -124,5 +128,6 @@ impl PartialEq for Params {
             && self.model == o.model
             && self.seed == o.seed
             && self.max_depth == o.max_depth
+            && self.strategy == o.strategy
     }
 }

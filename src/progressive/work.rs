@@ -251,6 +251,7 @@ impl Epoch {
             params.size,
             params.seed,
             params.max_depth,
+            params.strategy,
         );
         let mut shown = Vec::new();
         shown.resize_with(grid.len(), Shown::default);
@@ -347,18 +348,16 @@ impl ModelVisitor for TilePass<'_> {
     type Output = ();
     fn visit<M: Microfacet>(self) {
         let pass = self.film.begin_pass();
+        let (film, nonfinite) = (&mut *self.film, self.nonfinite);
         let mut pixel = 0;
-        for y in self.rect.y0..self.rect.y1 {
-            for x in self.rect.x0..self.rect.x1 {
-                let sample = self.tracer.sample::<M>(x, y, pass, self.scratch);
-                if sample.is_finite() {
-                    self.film.add(pixel, sample);
-                } else {
-                    *self.nonfinite += 1;
-                }
-                pixel += 1;
+        self.tracer.sample_each::<M>(self.rect.pixels(), pass, self.scratch, |sample| {
+            if sample.is_finite() {
+                film.add(pixel, sample);
+            } else {
+                *nonfinite += 1;
             }
-        }
+            pixel += 1;
+        });
         self.film.end_pass();
     }
 }

@@ -6,6 +6,7 @@
 //! that map; [`Placement`] converts points for those who ask.
 
 mod builder;
+pub mod builtin;
 mod camera;
 mod material;
 mod rays;
@@ -87,6 +88,11 @@ impl Scene {
     /// The tree over the shapes.
     pub fn bvh(&self) -> &Bvh {
         &self.bvh
+    }
+    /// Traces with another instruction set from now on: for tests and comparisons, the hits are
+    /// the same bits.
+    pub fn set_isa(&mut self, isa: crate::math::lanes::Isa) {
+        self.bvh.set_isa(isa);
     }
     /// Every shape that would be a light of its own if its material emitted.
     pub fn surfaces(&self) -> &[Light] {

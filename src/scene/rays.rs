@@ -32,7 +32,7 @@ impl CameraRays {
 
     /// The ray through pixel coordinates `x`, `y`, whose whole numbers are the corners of pixels,
     /// y counted from the top. Its direction is unit.
-    #[inline]
+    #[inline(always)]
     pub fn ray(&self, x: f32, y: f32) -> Ray {
         let sx = x * self.step[0] - 1.0;
         let sy = 1.0 - y * self.step[1];

@@ -1,6 +1,6 @@
 //! Lights: which to ask, where on it, and with what density.
 
-use crate::geometry::{Geometry, Kind, PrimitiveRange, SurfacePoint};
+use crate::geometry::{Geometry, Kind, PrimitiveRange, Sphere, SurfacePoint};
 use crate::math::warp;
 use crate::math::{Frame, Rgb, V3};
 use crate::scene::{Material, Scene};
@@ -15,8 +15,55 @@ pub(super) struct LightSample {
     pub radiance: Rgb,
     /// Density in 1/sr, the choice of the light included; above 0.
     pub pdf: f32,
-    /// The point on the light; `None` for the environment, which is infinitely far.
-    pub target: Option<SurfacePoint>,
+    /// Where on the light.
+    pub target: Target,
+}
+
+/// The end of a shadow ray.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Target {
+    /// The environment.
+    Infinity,
+    /// A known point.
+    Point(SurfacePoint),
+    /// Where the direction meets this sphere, if it does: found only if the ray is traced at all.
+    Sphere(Sphere),
+    /// The same for a direction within the cone that the sphere fills, which meets it for certain.
+    SphereWithin(Sphere),
+}
+
+/// Where a shadow ray ends.
+pub(super) enum End {
+    /// Nowhere: the direction misses the light after all.
+    Missed,
+    /// Never.
+    Infinity,
+    /// On this surface, coming to the side of it that the vector points to.
+    At(SurfacePoint, V3),
+}
+
+impl Target {
+    /// The end of a ray from `o` in the direction `wi`.
+    #[inline(always)]
+    pub(super) fn end(&self, o: V3, wi: V3) -> End {
+        let (sphere, t) = match self {
+            Target::Infinity => return End::Infinity,
+            Target::Point(point) => return End::At(*point, -wi),
+            Target::Sphere(sphere) => match sphere.intersect(o, wi, f32::INFINITY) {
+                Some(t) => (sphere, t),
+                None => return End::Missed,
+            },
+            Target::SphereWithin(sphere) => {
+                // On the rim rounding may make it miss: then the nearest point will do.
+                let nearest = || (sphere.centre - o).dot(wi).max(0.0);
+                (sphere, sphere.intersect(o, wi, f32::INFINITY).unwrap_or_else(nearest))
+            }
+        };
+        let point = sphere.surface(o + wi * t);
+        // At the rim the direction itself does not tell inside from outside.
+        let outside = (o - sphere.centre).length2() > sphere.radius * sphere.radius;
+        End::At(point, if outside { point.ng } else { -point.ng })
+    }
 }
 
 /// All that emits, with the probability of each being asked.
@@ -75,17 +122,19 @@ impl Lights {
     }
 
     /// What comes from a direction that hits nothing.
+    #[inline(always)]
     pub(super) fn environment(&self) -> Rgb {
         self.environment
     }
 
+    #[inline(always)]
     fn probability(&self, index: usize) -> f32 {
         let before = if index == 0 { 0.0 } else { self.cumulative[index - 1] };
         self.cumulative[index] - before
     }
 
     /// A direction from `p`, whose shading normal `n` faces the viewer, towards some light.
-    #[inline]
+    #[inline(always)]
     pub(super) fn sample(
         &self,
         geometry: &Geometry,
@@ -103,7 +152,8 @@ impl Lights {
             let local = warp::cosine_hemisphere(u);
             let pdf = warp::cosine_hemisphere_pdf(local.z) * probability;
             let wi = Frame::around(n).to_world(local);
-            return Some(LightSample { wi, radiance: self.environment, pdf, target: None });
+            let (radiance, target) = (self.environment, Target::Infinity);
+            return Some(LightSample { wi, radiance, pdf, target });
         };
         // What is left of the number after the choice is uniform again.
         let before = self.cumulative[index] - probability;
@@ -114,12 +164,13 @@ impl Lights {
             wi,
             radiance: emitter.radiance,
             pdf,
-            target: Some(target),
+            target,
         })
     }
 
     /// Density with which [`Lights::sample`] at `p` finds the direction `wi` in which `hit` of
     /// `primitive` was met at `distance`, in 1/sr.
+    #[inline(always)]
     pub(super) fn pdf(
         &self,
         geometry: &Geometry,
@@ -140,6 +191,7 @@ impl Lights {
 
     /// Density with which [`Lights::sample`] finds a direction at this cosine to the normal that
     /// hits nothing, in 1/sr.
+    #[inline(always)]
     pub(super) fn environment_pdf(&self, cos: f32) -> f32 {
         warp::cosine_hemisphere_pdf(cos.max(0.0)) * self.probability(self.emitters.len())
     }
@@ -169,15 +221,16 @@ impl Emitter {
         Emitter { shape, radiance, area: sum as f32, areas }
     }
 
+    #[inline(always)]
     fn sample(
         &self,
         geometry: &Geometry,
         p: V3,
         choice: f32,
         u: [f32; 2],
-    ) -> Option<(V3, f32, SurfacePoint)> {
+    ) -> Option<(V3, f32, Target)> {
         let target = match geometry.kind(self.shape.first) {
-            Kind::Sphere(i) => return self.sample_sphere(geometry, i, p, u),
+            Kind::Sphere(i) => return Some(sample_sphere(geometry.spheres[i], p, u)),
             Kind::Cylinder(i) => sample_cylinder(geometry, i, choice, u),
             Kind::Triangle(first) => {
                 let wanted = choice * self.area;
@@ -193,9 +246,10 @@ impl Emitter {
         }
         let distance = distance2.sqrt();
         let wi = away * (1.0 / distance);
-        Some((wi, self.area_pdf(wi, &target, distance), target))
+        Some((wi, self.area_pdf(wi, &target, distance), Target::Point(target)))
     }
 
+    #[inline(always)]
     fn pdf(&self, geometry: &Geometry, p: V3, wi: V3, hit: &SurfacePoint, distance: f32) -> f32 {
         match geometry.kind(self.shape.first) {
             Kind::Sphere(i) => sphere_pdf(geometry.spheres[i], p),
@@ -204,46 +258,42 @@ impl Emitter {
     }
 
     /// A density of 1/area, per solid angle.
+    #[inline(always)]
     fn area_pdf(&self, wi: V3, hit: &SurfacePoint, distance: f32) -> f32 {
         let cos = hit.ng.dot(wi).abs();
         if cos > 0.0 { distance * distance / (cos * self.area) } else { 0.0 }
     }
+}
 
-    fn sample_sphere(
-        &self,
-        geometry: &Geometry,
-        index: usize,
-        p: V3,
-        u: [f32; 2],
-    ) -> Option<(V3, f32, SurfacePoint)> {
-        let sphere = geometry.spheres[index];
-        let towards = sphere.centre - p;
-        let wi = match cone(sphere, p) {
-            Some(one_minus_cos) => {
-                Frame::around(towards.normalize()).to_world(warp::cone(u, one_minus_cos))
-            }
-            None => warp::sphere(u),
-        };
-        let t = sphere.intersect(p, wi, f32::INFINITY).unwrap_or_else(|| towards.dot(wi).max(0.0));
-        Some((wi, sphere_pdf(sphere, p), sphere.surface(p + wi * t)))
+#[inline(always)]
+fn sample_sphere(sphere: Sphere, p: V3, u: [f32; 2]) -> (V3, f32, Target) {
+    match cone(sphere, p) {
+        Some(one_minus_cos) => {
+            let frame = Frame::around((sphere.centre - p).normalize());
+            let wi = frame.to_world(warp::cone(u, one_minus_cos));
+            (wi, warp::cone_pdf(one_minus_cos), Target::SphereWithin(sphere))
+        }
+        None => (warp::sphere(u), warp::cone_pdf(2.0), Target::Sphere(sphere)),
     }
 }
 
 /// `1 - cos` of the cone that a sphere fills as seen from `p` outside it; `None` inside.
-fn cone(sphere: crate::geometry::Sphere, p: V3) -> Option<f32> {
+#[inline(always)]
+fn cone(sphere: Sphere, p: V3) -> Option<f32> {
     let distance2 = (sphere.centre - p).length2();
     let distance = distance2.sqrt();
-    // cos² of the half angle, without the loss of 1 - sin² next to the surface.
-    let cos2 = (distance - sphere.radius) * (distance + sphere.radius) / distance2;
-    if cos2 > 0.0 && cos2 <= 1.0 {
-        let sin2 = sphere.radius * sphere.radius / distance2;
-        Some(sin2 / (1.0 + cos2.sqrt()))
-    } else {
-        None
+    if distance <= sphere.radius {
+        return None;
     }
+    // cos² of the half angle, without the loss of 1 - sin² next to the surface. A small or distant
+    // sphere's rounds to 1, or beyond.
+    let cos2 = (distance - sphere.radius) * (distance + sphere.radius) / distance2;
+    let sin2 = (sphere.radius * sphere.radius / distance2).min(1.0);
+    Some(sin2 / (1.0 + cos2.min(1.0).sqrt()))
 }
 
-fn sphere_pdf(sphere: crate::geometry::Sphere, p: V3) -> f32 {
+#[inline(always)]
+fn sphere_pdf(sphere: Sphere, p: V3) -> f32 {
     warp::cone_pdf(cone(sphere, p).unwrap_or(2.0))
 }
 

@@ -18,6 +18,18 @@ use std::sync::Arc;
 /// Paths that it ends are counted, for they are a bias.
 pub const DEPTH_CAP: u32 = 1000;
 
+/// How light is found at a surface. All three have the same mean; they differ in noise.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Strategy {
+    /// Both ways below, weighed against each other.
+    #[default]
+    Mis,
+    /// Only by asking a light explicitly.
+    LightOnly,
+    /// Only by meeting a light with a direction sampled from the BRDF.
+    BsdfOnly,
+}
+
 /// A scene made ready for tracing with given materials, camera and picture size.
 #[derive(Debug)]
 pub struct Tracer {
@@ -27,6 +39,7 @@ pub struct Tracer {
     camera: CameraRays,
     seed: u64,
     max_depth: u32,
+    strategy: Strategy,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -57,6 +70,7 @@ impl Tracer {
         size: [u32; 2],
         seed: u64,
         max_depth: Option<u32>,
+        strategy: Strategy,
     ) -> Tracer {
         let surfaces = materials.iter().map(Surface::new).collect();
         Tracer {
@@ -65,6 +79,7 @@ impl Tracer {
             camera: CameraRays::new(camera, scene.placement(), size),
             seed,
             max_depth: max_depth.unwrap_or(u32::MAX),
+            strategy,
             scene,
         }
     }

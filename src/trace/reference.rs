@@ -1,11 +1,13 @@
 //! The path tracer that one reads: one path at a time, plain control flow.
 
-use super::{DEPTH_CAP, Scratch, Tracer};
+use super::light::{End, Target};
+use super::{DEPTH_CAP, Scratch, Strategy, Tracer};
 use crate::brdf::Microfacet;
 use crate::geometry::{Ray, SurfacePoint, offset_origin};
-use crate::math::lanes::U32;
+use crate::math::lanes::{Kernel, U32, Wide, dispatch};
 use crate::math::sequence::{Slot, Stream, pair};
 use crate::math::{Frame, Rgb, V3};
+use std::marker::PhantomData;
 
 /// First scattering event after which a path may be ended by chance.
 const ROULETTE_FROM: u32 = 2;
@@ -15,6 +17,9 @@ const ROULETTE_MILDNESS: f32 = 2.5;
 /// From this event on even a bright path may end, so that none is endless.
 const ROULETTE_ALWAYS_FROM: u32 = 8;
 const ROULETTE_MOST: f32 = 0.95;
+
+/// Shadow rays end this close to 1: a distance along a ray is known to a few roundings of the whole.
+const SHADOW_END: f32 = 1.0 - 16.0 * f32::EPSILON;
 
 /// A surface met by a path, turned to the viewer.
 struct Vertex {
@@ -29,13 +34,53 @@ impl Tracer {
     /// Radiance of one sample: pass `pass` (from 0) of the pixel in column `x`, row `y` from the
     /// top. The same arguments give the same bits, always.
     pub fn sample<M: Microfacet>(&self, x: u32, y: u32, pass: u64, scratch: &mut Scratch) -> Rgb {
-        let stream = Stream::new(self.seed, U32(x), U32(y), pass);
-        let [dx, dy] = pair::<f32>(&stream, Slot::CAMERA);
-        let ray = self.camera.ray(x as f32 + dx, y as f32 + dy);
-        self.radiance::<M>(ray, &stream, scratch)
+        let mut radiance = Rgb::BLACK;
+        self.sample_each::<M>([[x, y]], pass, scratch, |found| radiance = found);
+        radiance
     }
 
-    fn radiance<M: Microfacet>(
+    /// [`Tracer::sample`] of one pixel after the other, compiled for the machine's instruction set.
+    pub fn sample_each<M: Microfacet>(
+        &self,
+        pixels: impl IntoIterator<Item = [u32; 2]>,
+        pass: u64,
+        scratch: &mut Scratch,
+        each: impl FnMut(Rgb),
+    ) {
+        struct Pixels<'a, M, P, F> {
+            tracer: &'a Tracer,
+            pixels: P,
+            pass: u64,
+            scratch: &'a mut Scratch,
+            each: F,
+            model: PhantomData<M>,
+        }
+        impl<M, P, F> Kernel for Pixels<'_, M, P, F>
+        where
+            M: Microfacet,
+            P: IntoIterator<Item = [u32; 2]>,
+            F: FnMut(Rgb),
+        {
+            type Output = ();
+            #[inline(always)]
+            fn run<W: Wide>(mut self) {
+                for [x, y] in self.pixels {
+                    let stream = Stream::new(self.tracer.seed, U32(x), U32(y), self.pass);
+                    let [dx, dy] = pair::<f32>(&stream, Slot::CAMERA);
+                    let ray = self.tracer.camera.ray(x as f32 + dx, y as f32 + dy);
+                    (self.each)(self.tracer.radiance::<M, W>(ray, &stream, self.scratch));
+                }
+            }
+        }
+        let model = PhantomData::<M>;
+        dispatch(
+            self.scene.bvh().isa(),
+            Pixels { tracer: self, pixels, pass, scratch, each, model },
+        )
+    }
+
+    #[inline(always)]
+    fn radiance<M: Microfacet, W: Wide>(
         &self,
         mut ray: Ray,
         stream: &Stream<U32>,
@@ -48,10 +93,15 @@ impl Tracer {
         let mut from: Option<(Vertex, f32)> = None;
         for event in 0.. {
             scratch.rays += 1;
-            let hit = self.scene.bvh().closest(geometry, &ray, f32::INFINITY, &mut scratch.stack);
+            let hit = self.scene.bvh().closest_with::<W>(
+                geometry,
+                &ray,
+                f32::INFINITY,
+                &mut scratch.stack,
+            );
             let Some(hit) = hit else {
                 let weight = from.as_ref().map_or(1.0, |(vertex, pdf)| {
-                    mis(*pdf, self.lights.environment_pdf(vertex.frame.n.dot(ray.d)))
+                    self.met(*pdf, self.lights.environment_pdf(vertex.frame.n.dot(ray.d)))
                 });
                 sum += beta * self.lights.environment() * weight;
                 return sum;
@@ -61,7 +111,7 @@ impl Tracer {
             if surface.emits {
                 let weight = from.as_ref().map_or(1.0, |(vertex, pdf)| {
                     let (p, d) = (vertex.point.p, ray.d);
-                    mis(*pdf, self.lights.pdf(geometry, p, d, hit.primitive, &point, hit.t))
+                    self.met(*pdf, self.lights.pdf(geometry, p, d, hit.primitive, &point, hit.t))
                 });
                 sum += beta * surface.emission * weight;
             }
@@ -83,9 +133,9 @@ impl Tracer {
                 && let Some(wi) = vertex.inwards(light.wi)
             {
                 let e = lobes.eval::<M>(vertex.wo, wi);
-                let found = light.radiance * e.f * (wi.z / light.pdf * mis(light.pdf, e.pdf));
-                if !found.is_black() && self.sees(&vertex, light.wi, light.target.as_ref(), scratch)
-                {
+                let found =
+                    light.radiance * e.f * (wi.z / light.pdf * self.asked(light.pdf, e.pdf));
+                if !found.is_black() && self.sees::<W>(&vertex, light.wi, &light.target, scratch) {
                     sum += beta * found;
                 }
             }
@@ -116,29 +166,55 @@ impl Tracer {
         sum
     }
 
+    /// Weight of a light met by a direction of density `pdf`, which asking would have found with
+    /// density `other`.
+    #[inline(always)]
+    fn met(&self, pdf: f32, other: f32) -> f32 {
+        match self.strategy {
+            Strategy::Mis => mis(pdf, other),
+            Strategy::LightOnly => 0.0,
+            Strategy::BsdfOnly => 1.0,
+        }
+    }
+
+    /// Weight of a light asked with density `pdf`, which sampling the BRDF would have met with
+    /// density `other`.
+    #[inline(always)]
+    fn asked(&self, pdf: f32, other: f32) -> f32 {
+        match self.strategy {
+            Strategy::Mis => mis(pdf, other),
+            Strategy::LightOnly => 1.0,
+            Strategy::BsdfOnly => 0.0,
+        }
+    }
+
     /// Whether nothing is between a vertex and a point on a light, or infinity.
-    fn sees(
+    #[inline(always)]
+    fn sees<W: Wide>(
         &self,
         vertex: &Vertex,
         wi: V3,
-        target: Option<&SurfacePoint>,
+        target: &Target,
         scratch: &mut Scratch,
     ) -> bool {
         let o = vertex.leave(wi);
-        // From just off one surface to just off the other: the whole segment counts.
-        let (d, t_max) = match target {
-            Some(q) => (offset_origin(q.p, q.error, q.ng, -wi) - o, 1.0),
-            None => (wi, f32::INFINITY),
+        // From just off one surface to just off the other, but for the rounding of t itself.
+        let (d, t_max) = match target.end(o, wi) {
+            End::Missed => return false,
+            End::Infinity => (wi, f32::INFINITY),
+            // From just off one surface to just off the other, but for the rounding of t itself.
+            End::At(q, side) => (offset_origin(q.p, q.error, q.ng, side) - o, SHADOW_END),
         };
         scratch.rays += 1;
         let geometry = self.scene.geometry();
-        !self.scene.bvh().occluded(geometry, &Ray { o, d }, t_max, &mut scratch.stack)
+        !self.scene.bvh().occluded_with::<W>(geometry, &Ray { o, d }, t_max, &mut scratch.stack)
     }
 }
 
 impl Vertex {
     /// `wo` is unit. The geometric normal decides the sides: both normals are turned to the
     /// viewer's. `None` where the two place the viewer on different sides, which carries nothing.
+    #[inline(always)]
     fn facing(point: SurfacePoint, wo: V3) -> Option<Vertex> {
         let ng = if point.ng.dot(wo) < 0.0 { -point.ng } else { point.ng };
         let ns = if point.ns.dot(ng) < 0.0 { -point.ns } else { point.ns };
@@ -148,12 +224,14 @@ impl Vertex {
     }
 
     /// A world direction in the frame, where both normals have it on the viewer's side.
+    #[inline(always)]
     fn inwards(&self, wi: V3) -> Option<V3> {
         let local = self.frame.to_local(wi);
         (local.z > 0.0 && self.ng.dot(wi) > 0.0).then_some(local)
     }
 
     /// Where a ray in this direction starts.
+    #[inline(always)]
     fn leave(&self, d: V3) -> V3 {
         offset_origin(self.point.p, self.point.error, self.ng, d)
     }
@@ -161,7 +239,7 @@ impl Vertex {
 
 /// Power heuristic: the weight of a direction found with density `a` that another strategy finds
 /// with density `b`. The two weights of a pair sum to 1.
-#[inline]
+#[inline(always)]
 fn mis(a: f32, b: f32) -> f32 {
     let ratio = b / a;
     1.0 / (1.0 + ratio * ratio)

@@ -33,7 +33,7 @@ mod text;
 
 pub use files::{Disk, Files, Memory};
 pub use log::ReadError;
-pub use scn::read_scn;
+pub use scn::{parse_camera, read_scn};
 
 use super::{Material, Mesh, MeshCounts, Report, SceneBuilder};
 use glam::DAffine3;

@@ -14,7 +14,7 @@ use glam::DVec3;
 use header::{CORNERS, NORMAL, POSITION, has_all};
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{
-    ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult,
+    ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType,
 };
 use std::io::ErrorKind;
 
@@ -98,10 +98,12 @@ fn ascii_elements(
 fn ascii<'a, E: Element>(
     lines: &mut impl Iterator<Item = (usize, &'a str)>,
     def: &ElementDef,
-    log: &Log,
+    log: &mut Log,
 ) -> Result<Vec<E>, ReadError> {
     let parser = Parser::<E>::new();
     let mut elements = Vec::with_capacity(def.count);
+    // Lines with more values than the parser takes: the first and how many.
+    let mut longer: Option<(usize, usize)> = None;
     for done in 0..def.count {
         let Some((number, line)) = lines.next() else {
             return Err(cut_short(def, Some(done), log));
@@ -123,8 +125,35 @@ fn ascii<'a, E: Element>(
             Some(text) => return Err(log.error(Some(number), text)),
             None => elements.push(element),
         }
+        if line.split_whitespace().count() > value_count(line, def) {
+            longer.get_or_insert((number, 0)).1 += 1;
+        }
+    }
+    if let Some((first, count)) = longer {
+        let text = format!(
+            "{count} lines of the element `{}`, this one first, have more values than it has \
+             properties; the last ones are not used",
+            shown(&def.name)
+        );
+        log.warn(Some(first), text);
     }
     Ok(elements)
+}
+
+/// How many values the properties of an element take from its line, lengths of lists included.
+fn value_count(line: &str, def: &ElementDef) -> usize {
+    let mut tokens = line.split_whitespace();
+    let mut count: usize = 0;
+    for property in def.properties.values() {
+        let token = tokens.next();
+        count = count.saturating_add(1);
+        if let PropertyType::List(..) = property.data_type {
+            let length = token.and_then(|t| t.parse().ok()).unwrap_or(0);
+            count = count.saturating_add(length);
+            tokens.by_ref().take(length).for_each(drop);
+        }
+    }
+    count
 }
 
 /// Rewrites what other programs print as numbers and the parser does not take: `.5`, `5.`, `nan`.

@@ -43,6 +43,29 @@ pub fn read_scn(
     reader.finish()
 }
 
+const CAMERA: &str = "x y z ry ORIENT";
+
+fn camera(args: &mut Args) -> Result<Camera, Problem> {
+    let (eye, [ry]) = (args.point()?, args.numbers()?);
+    Ok(Camera::new(eye, ry, args.orientation()?)?)
+}
+
+/// A camera from its line, with or without the word `camera` before it, such as
+/// [`Camera::scn_line`] writes. What would be a warning in a file is an error here.
+pub fn parse_camera(text: &str) -> Result<Camera, String> {
+    let arguments = text.trim_start();
+    let arguments = arguments.strip_prefix("camera ").unwrap_or(arguments);
+    let mut args = Args::new("camera", CAMERA, arguments.split_whitespace());
+    let camera = camera(&mut args).map_err(|problem| match problem {
+        Problem::Here(text) => text,
+        Problem::Elsewhere(error) => error.to_string(),
+    })?;
+    match args.remarks().into_iter().next() {
+        Some(remark) => Err(remark),
+        None => Ok(camera),
+    }
+}
+
 /// What the lines so far have brought.
 struct Reader<'a> {
     builder: SceneBuilder,
@@ -88,7 +111,7 @@ impl<'a> Reader<'a> {
     /// `x deg`, `y deg`, `z deg`, `q w x y z` and `a deg ax ay az`.
     const COMMANDS: [Command<'a>; 10] = [
         ("screen", "W H", Reader::screen),
-        ("camera", "x y z ry ORIENT", Reader::camera),
+        ("camera", CAMERA, Reader::camera),
         ("ambient", "r g b", Reader::ambient),
         ("brdf", "Kd Kd Kd Ks Ks Ks a_p [Kt Kt Kt ior]", Reader::brdf),
         ("light", "r g b", Reader::light),
@@ -135,8 +158,7 @@ impl<'a> Reader<'a> {
     }
 
     fn camera(&mut self, args: &mut Args) -> Result<(), Problem> {
-        let (eye, [ry]) = (args.point()?, args.numbers()?);
-        self.builder.camera = Some(Camera::new(eye, ry, args.orientation()?)?);
+        self.builder.camera = Some(camera(args)?);
         self.replaces("camera");
         Ok(())
     }
@@ -193,7 +215,7 @@ impl<'a> Reader<'a> {
         let file = args.word()?;
         let (shift, [scale]) = (args.point()?, args.numbers()?);
         let turn = args.orientation()?;
-        if !(shift.abs().max_element() <= MAX_COORDINATE) {
+        if shift.abs().max_element() > MAX_COORDINATE {
             return Err(ShapeError::Coordinate(shift.x, shift.y, shift.z).into());
         }
         if !(1.0 / MAX_COORDINATE..=MAX_COORDINATE).contains(&scale.abs()) {

@@ -201,6 +201,7 @@ fn unsupported_kind(word: &str, rest: &str) -> Option<String> {
         "d" | "Tr" => Some(format!("transparency (`{word}`)")),
         // Constant colour, diffuse, and diffuse with highlights.
         "illum" if value.is_some_and(|i| (0.0..=2.0).contains(&i)) => None,
+        "illum" => Some("`illum` other than 0, 1 and 2".to_owned()),
         _ => Some(format!("`{}`", shown(word))),
     }
 }

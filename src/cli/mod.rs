@@ -1,0 +1,93 @@
+//! The command line: arguments -> subcommand -> exit code.
+//!
+//! 0 when all that was asked for is done, 1 when it failed, 2 when the arguments make no sense
+//! (clap's own code). Results go to stdout, all talk to stderr.
+
+mod brdf;
+mod interrupt;
+mod progress;
+mod render;
+mod report;
+mod scene;
+mod snapshots;
+mod stats;
+mod values;
+mod window;
+
+use clap::{Parser, Subcommand};
+use std::fmt::Display;
+use std::io::{self, Write};
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// Shows how Phong, Beckmann and GGX surfaces look, in a path-traced picture that gets better as
+/// you watch. Without a subcommand it opens the window.
+#[derive(Debug, Parser)]
+#[command(name = "burnish", version, args_conflicts_with_subcommands = true)]
+#[command(after_help = "Examples:
+  burnish                                   the built-in scene in the window
+  burnish table.scn                         a scene of yours
+  burnish render table.scn -o table.png     the same without a window")]
+struct Args {
+    #[command(flatten)]
+    window: window::Args,
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Brdf(brdf::Args),
+    Render(Box<render::Args>),
+    Report(report::Args),
+}
+
+/// Runs the subcommand that the arguments name.
+pub(crate) fn main() -> ExitCode {
+    let started = Instant::now();
+    let args = Args::parse();
+    let result = match args.command {
+        None => window::open(args.window),
+        Some(Command::Brdf(args)) => brdf::run(&args),
+        Some(Command::Render(args)) => render::run(&args, started),
+        Some(Command::Report(args)) => report::run(&args),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure(text)) => {
+            if let Some(text) = text {
+                say(format_args!("burnish: {text}"));
+            }
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Why nothing came of it, in one line that says what to do: exit code 1. `None` when whoever
+/// read stdout has left, as `head` does: there is nobody to tell.
+#[derive(Debug)]
+struct Failure(Option<String>);
+
+impl Failure {
+    fn new(text: impl Display) -> Failure {
+        Failure(Some(text.to_string()))
+    }
+}
+
+impl From<io::Error> for Failure {
+    /// An error of writing to stdout.
+    fn from(e: io::Error) -> Failure {
+        let gone = e.kind() == io::ErrorKind::BrokenPipe;
+        Failure((!gone).then(|| format!("cannot write to stdout: {e}")))
+    }
+}
+
+/// A line on stdout.
+fn print(line: impl Display) -> Result<(), Failure> {
+    Ok(writeln!(io::stdout().lock(), "{line}")?)
+}
+
+/// A line on stderr. That nobody listens is no reason to end.
+fn say(line: impl Display) {
+    let _ = writeln!(io::stderr().lock(), "{line}");
+}

@@ -1,0 +1,216 @@
+//! `burnish render`: a picture without a window.
+
+use super::progress::{self, Goal, Progress};
+use super::scene::{self, Loaded};
+use super::snapshots::next;
+use super::stats::{self, Stats};
+use super::{Failure, interrupt, say, values};
+use burnish::brdf::{Model, Roughness};
+use burnish::picture::{self, Curve, Picture, Tone, check_writable};
+use burnish::progressive::{Options, Params, Session, Snapshot, State};
+use burnish::scene::{Camera, Scene};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Renders a picture without a window.
+///
+/// Ctrl-C ends it early and still writes what is done; a second one quits at once.
+#[derive(Debug, clap::Args)]
+#[command(allow_negative_numbers = true)]
+#[command(after_help = "Examples:
+  burnish render -o ball.png
+  burnish render table.scn -o table.exr -o table.png --model ggx --alpha 0.1 --passes 512
+  burnish render table.scn -o table.png --time 60 --size 1600x1200 --exposure -1 --tone filmic")]
+pub(super) struct Args {
+    /// Scene to render: a .scn, .obj or .ply file. The built-in scene without one.
+    scene: Option<PathBuf>,
+    /// Picture to write; may be given more than once. The name ends in .png (8-bit sRGB) or .exr
+    /// (linear 32-bit float, untouched by --exposure and --tone).
+    #[arg(short, long = "output", value_name = "FILE", required = true)]
+    #[arg(value_parser = values::picture)]
+    outputs: Vec<PathBuf>,
+    /// Which BRDF.
+    #[arg(long, default_value = "ggx", value_parser = values::model())]
+    model: Model,
+    /// Roughness alpha of every material, 0.0001 to 1. Without it and --exponent each material
+    /// keeps its own.
+    #[arg(long, value_name = "A", value_parser = values::alpha)]
+    alpha: Option<Roughness>,
+    /// Phong exponent a_p of every material, 0 to 199999998; alpha = sqrt(2 / (a_p + 2)).
+    #[arg(long, value_name = "N", conflicts_with = "alpha",
+          value_parser = values::exponent)]
+    exponent: Option<Roughness>,
+    /// Samples a pixel.
+    #[arg(long, value_name = "N", default_value_t = 64,
+          value_parser = clap::value_parser!(u64).range(1..=Session::MAX_PASSES))]
+    passes: u64,
+    /// Renders for so long instead, loading not counted. It may end within a pass: every pixel is
+    /// divided by its own number of samples.
+    #[arg(long, value_name = "SECONDS", conflicts_with = "passes",
+          value_parser = values::seconds)]
+    time: Option<f64>,
+    /// Width and height in pixels instead of the scene's.
+    #[arg(long, value_name = "WxH", value_parser = values::size)]
+    size: Option<[u32; 2]>,
+    /// Camera instead of the scene's: the text after `camera` in a .scn file.
+    #[arg(long, value_name = "x y z ry ORIENT", allow_hyphen_values = true,
+          value_parser = scene::camera)]
+    camera: Option<Camera>,
+    /// Picks one of 2^64 independent pictures.
+    #[arg(long, value_name = "K", default_value_t = 0)]
+    seed: u64,
+    /// Worker threads; 0 is one a core. The picture does not depend on it.
+    #[arg(long, value_name = "T", default_value_t = 0, value_parser = values::threads())]
+    threads: usize,
+    /// Most scattering events between camera and light. Without it paths end by Russian roulette.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    max_depth: Option<u32>,
+    /// Exposure of PNG files in stops, -30 to 30.
+    #[arg(long, value_name = "EV", default_value = "0",
+          value_parser = values::exposure)]
+    exposure: f32,
+    /// How PNG files bring bright values into range, each channel on its own.
+    #[arg(long, value_name = "CURVE", default_value = "srgb", value_parser = values::curve())]
+    tone: Curve,
+    /// Writes times, counts and the mean as JSON.
+    #[arg(long, value_name = "FILE")]
+    stats: Option<PathBuf>,
+}
+
+/// Renders and writes; `started` is when the program began.
+pub(super) fn run(args: &Args, started: Instant) -> Result<(), Failure> {
+    // Known now, not after an hour.
+    for path in args.outputs.iter().chain(&args.stats) {
+        check_writable(path).map_err(Failure::new)?;
+    }
+    interrupt::listen()?;
+    let loaded = scene::load(args.scene.as_deref())?;
+    let traced = trace(args, args.params(&loaded.scene), started)?;
+    tell(&traced.snapshot, traced.interrupted);
+    if traced.snapshot.counts.paths == 0 {
+        return Err(Failure::new("stopped before the first sample: nothing is written"));
+    }
+    let picture = traced.snapshot.mean();
+    let tone = Tone { exposure: args.exposure, curve: args.tone };
+    for path in &args.outputs {
+        picture::write(path, &picture, tone).map_err(Failure::new)?;
+    }
+    match &args.stats {
+        Some(path) => stats(args, &loaded, &traced, &picture).write(path),
+        None => Ok(()),
+    }
+}
+
+impl Args {
+    fn params(&self, scene: &Arc<Scene>) -> Params {
+        let mut params = Params::new(scene.clone());
+        params.model = self.model;
+        params.seed = self.seed;
+        params.max_depth = self.max_depth;
+        params.size = self.size.unwrap_or(params.size);
+        params.camera = self.camera.unwrap_or(params.camera);
+        match self.alpha.or(self.exponent) {
+            Some(roughness) => params.with_roughness(roughness),
+            None => params,
+        }
+    }
+
+    fn goal(&self) -> Goal {
+        match self.time {
+            Some(seconds) => Goal::Time(Duration::from_secs_f64(seconds)),
+            None => Goal::Passes(self.passes),
+        }
+    }
+}
+
+/// A render that is over.
+struct Traced {
+    snapshot: Snapshot,
+    /// Ended by Ctrl-C.
+    interrupted: bool,
+    /// From the program's start until every pixel had a sample.
+    first_image: Option<Duration>,
+}
+
+/// How long Ctrl-C may go unnoticed.
+const TICK: Duration = Duration::from_millis(50);
+/// Between two snapshots: how late the first complete picture may be noticed.
+const INTERVAL: Duration = Duration::from_millis(20);
+
+/// Traces until the goal is reached or Ctrl-C is pressed.
+fn trace(args: &Args, params: Params, started: Instant) -> Result<Traced, Failure> {
+    let (limit, time) = match args.goal() {
+        Goal::Passes(passes) => (passes, Duration::MAX),
+        Goal::Time(time) => (Session::MAX_PASSES, time),
+    };
+    let options = Options { interval: INTERVAL, ..Options::headless(args.threads) };
+    let session = Session::with_options(params, limit, options, || {}).map_err(Failure::new)?;
+    let mut progress = Progress::start(args.goal());
+    let mut first_image = None;
+    let mut stopping = false;
+    loop {
+        let left = time.saturating_sub(progress.elapsed());
+        let wait = if stopping { TICK } else { left.min(TICK) };
+        if let Some(snapshot) = next(&session, wait)? {
+            if snapshot.passes > 0 {
+                first_image.get_or_insert_with(|| started.elapsed());
+            }
+            progress.show(&snapshot);
+            if snapshot.state != State::Running {
+                let interrupted = snapshot.state == State::Paused && interrupt::came();
+                return Ok(Traced { snapshot, interrupted, first_image });
+            }
+        }
+        if !stopping && (left.is_zero() || interrupt::came()) {
+            stopping = true;
+            session.pause();
+        }
+    }
+}
+
+fn stats(args: &Args, loaded: &Loaded, traced: &Traced, picture: &Picture) -> Stats {
+    let Traced { snapshot, first_image, .. } = traced;
+    Stats {
+        load_s: loaded.load_s,
+        build_s: loaded.build_s,
+        first_image_s: first_image.map(|t| t.as_secs_f64()),
+        render_s: snapshot.seconds,
+        passes: snapshot.passes,
+        paths: snapshot.counts.paths,
+        rays: snapshot.counts.rays,
+        peak_mib: stats::peak_mib(),
+        est_rel_error: snapshot.error.map(|e| e.relative),
+        mean: stats::mean(picture),
+        nonfinite: snapshot.counts.nonfinite,
+        capped: snapshot.counts.capped,
+        model: args.model.name(),
+        seed: args.seed,
+        isa: loaded.scene.bvh().isa().name(),
+        version: env!("CARGO_PKG_VERSION"),
+        width: picture.width,
+        height: picture.height,
+        threads: values::worker_count(args.threads),
+    }
+}
+
+/// What there is to know about a finished render.
+fn tell(snapshot: &Snapshot, interrupted: bool) {
+    let early = if interrupted { "stopped by Ctrl-C: " } else { "" };
+    let Snapshot { passes, seconds, counts, .. } = snapshot;
+    let (done, error) = (progress::passes(*passes), progress::error(snapshot));
+    say(format_args!("{early}{done} in {seconds:.2} s{error}"));
+    if *passes == 0 {
+        say("warning: not every pixel has a sample yet; the rest is black");
+    }
+    if counts.nonfinite > 0 {
+        let n = counts.nonfinite;
+        say(format_args!(
+            "warning: {n} samples were NaN or infinite and are left out; their pixels are wrong"
+        ));
+    }
+    if counts.capped > 0 {
+        let n = counts.capped;
+        say(format_args!("note: {n} paths were ended by the safety cap on their length"));
+    }
+}

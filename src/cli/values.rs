@@ -1,0 +1,136 @@
+//! From the text of an argument to its value. Errors complete clap's "invalid value" line.
+
+use burnish::brdf::{Model, Roughness};
+use burnish::picture::{Curve, Format, Tone};
+use burnish::progressive::Params;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use std::path::PathBuf;
+use std::str::FromStr;
+
+/// `1600x1200`
+pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
+    let side = 1..=Params::MAX_SIDE;
+    let sides =
+        text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    sides.filter(|[w, h]| side.contains(w) && side.contains(h)).ok_or_else(|| {
+        let max = Params::MAX_SIDE;
+        format!("expected WIDTHxHEIGHT in pixels, such as 640x480, from 1x1 to {max}x{max}")
+    })
+}
+
+/// Roughness as the width alpha.
+pub(super) fn alpha(text: &str) -> Result<Roughness, String> {
+    Roughness::from_alpha(number(text)?).map_err(|e| e.to_string())
+}
+
+/// Roughness as the Phong exponent a_p.
+pub(super) fn exponent(text: &str) -> Result<Roughness, String> {
+    Roughness::from_exponent(number(text)?).map_err(|e| e.to_string())
+}
+
+/// Exposure in stops.
+pub(super) fn exposure(text: &str) -> Result<f32, String> {
+    let [low, high] = Tone::EXPOSURE;
+    let stops = number(text)?;
+    if (low..=high).contains(&stops) {
+        Ok(stops)
+    } else {
+        Err(format!("the exposure must be from {low} to {high} stops"))
+    }
+}
+
+/// Kd or Ks of all channels.
+pub(super) fn reflectance(text: &str) -> Result<f32, String> {
+    let value = number(text)?;
+    if (0.0..=1.0).contains(&value) {
+        Ok(value)
+    } else {
+        Err("expected a number from 0 to 1".into())
+    }
+}
+
+/// A length of time above 0.
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
+    // The upper end keeps well within what a duration can hold: about 30 years.
+    let seconds = number(text)?;
+    if seconds > 0.0 && seconds <= 1e9 {
+        Ok(seconds)
+    } else {
+        Err("expected seconds above 0 and at most 1e9".into())
+    }
+}
+
+/// A file whose name says which kind of picture it is to be.
+pub(super) fn picture(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    Format::of(&path).map_err(|e| e.to_string())?;
+    Ok(path)
+}
+
+/// A model by its lower-case name.
+pub(super) fn model() -> impl TypedValueParser<Value = Model> {
+    one_of(Model::ALL, Model::name)
+}
+
+/// A tone curve by its lower-case name.
+pub(super) fn curve() -> impl TypedValueParser<Value = Curve> {
+    one_of(Curve::ALL, Curve::name)
+}
+
+/// Worker threads; 0 stands for one a core.
+pub(super) fn threads() -> impl TypedValueParser<Value = usize> {
+    clap::value_parser!(u64).range(0..=MAX_THREADS).map(|threads| threads as usize)
+}
+
+/// More would be a slip of the finger.
+const MAX_THREADS: u64 = 1024;
+
+/// How many workers that makes.
+pub(super) fn worker_count(threads: usize) -> usize {
+    if threads > 0 { threads } else { std::thread::available_parallelism().map_or(1, |n| n.get()) }
+}
+
+fn one_of<T, const N: usize>(
+    all: [T; N],
+    name: impl Fn(T) -> &'static str + Clone + Send + Sync + 'static,
+) -> impl TypedValueParser<Value = T>
+where
+    T: Copy + Send + Sync + 'static,
+{
+    PossibleValuesParser::new(all.map(&name)).try_map(move |text| {
+        all.into_iter().find(|&x| name(x) == text).ok_or_else(|| format!("unknown: {text}"))
+    })
+}
+
+fn number<T: FromStr>(text: &str) -> Result<T, String> {
+    text.trim().parse().map_err(|_| "expected a number".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes() {
+        assert_eq!(size("640x480"), Ok([640, 480]));
+        assert_eq!(size("1X32768"), Ok([1, 32_768]));
+        for bad in ["", "640", "640x", "x", "0x1", "1x0", "32769x1", "-1x1", "1.5x2", "1x1x1"] {
+            assert!(size(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn numbers_out_of_range_say_the_range() {
+        for bad in ["0", "1.1", "nan", "inf", "-0.2"] {
+            assert!(alpha(bad).unwrap_err().contains("0.0001 to 1"), "{bad}");
+        }
+        assert!(exponent("-1").is_err() && exponent("1e9").is_err() && exponent("x").is_err());
+        for bad in ["31", "-30.5", "NaN", "", "1,5"] {
+            assert!(exposure(bad).is_err(), "{bad}");
+        }
+        for bad in ["0", "-1", "nan", "inf", "1e10"] {
+            assert!(seconds(bad).is_err(), "{bad}");
+        }
+        assert_eq!((exposure("-2.5"), seconds("0.25")), (Ok(-2.5), Ok(0.25)));
+    }
+}

@@ -1,0 +1,65 @@
+//! No subcommand: the window.
+
+use super::{Failure, values};
+use std::path::{Path, PathBuf};
+
+/// How the window opens.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Scene to open: a .scn, .obj or .ply file. The built-in scene without one.
+    scene: Option<PathBuf>,
+    /// Worker threads; 0 is one a core.
+    #[arg(long, value_name = "T", default_value_t = 0, value_parser = values::threads())]
+    threads: usize,
+    /// Width and height of the window in points.
+    #[arg(long, value_name = "WxH", value_parser = values::size)]
+    size: Option<[u32; 2]>,
+    /// Light colours instead of the system's.
+    #[arg(long, conflicts_with = "dark")]
+    light: bool,
+    /// Dark colours instead of the system's.
+    #[arg(long)]
+    dark: bool,
+    /// Closes after so many seconds: for smoke tests.
+    #[arg(long, value_name = "SECONDS", hide = true, value_parser = values::seconds)]
+    exit_after: Option<f64>,
+    /// Writes a picture of the window, as PNG, before it closes.
+    #[arg(long, value_name = "FILE", hide = true, requires = "exit_after")]
+    screenshot: Option<PathBuf>,
+}
+
+/// Opens the window and stays until it is closed.
+pub(super) fn open(args: Args) -> Result<(), Failure> {
+    // A missing file is the more useful message where there is no display either.
+    if let Some(path) = args.scene.as_deref().filter(|path| !path.exists()) {
+        return Err(Failure::new(format_args!("{}: there is no such file", path.display())));
+    }
+    let instead = headless(args.scene.as_deref());
+    run(args).map_err(|why| {
+        let why = why.split_whitespace().collect::<Vec<_>>().join(" ");
+        Failure::new(format_args!("no window: {why}; to render without one: {instead}"))
+    })
+}
+
+#[cfg(feature = "viewer")]
+fn run(args: Args) -> Result<(), String> {
+    crate::viewer::run(crate::viewer::Options {
+        scene: args.scene,
+        threads: args.threads,
+        size: args.size,
+        light: (args.light || args.dark).then_some(args.light),
+        exit_after: args.exit_after,
+        screenshot: args.screenshot,
+    })
+}
+
+#[cfg(not(feature = "viewer"))]
+fn run(_: Args) -> Result<(), String> {
+    Err("this burnish was built without the feature `viewer`".into())
+}
+
+/// The command that does without.
+fn headless(scene: Option<&Path>) -> String {
+    let scene = scene.map(|path| format!("{} ", path.display())).unwrap_or_default();
+    format!("burnish render {scene}-o picture.png")
+}

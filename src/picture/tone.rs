@@ -1,0 +1,239 @@
+//! The tone curve: linear radiance becomes 8-bit sRGB codes.
+//!
+//! radiance × 2^exposure → [`Curve`], each channel on its own → sRGB transfer curve
+//! (IEC 61966-2-1) → rounded to 0..=255.
+//!
+//! Each of these steps rises with its input, so a code is decided by comparing with 255
+//! thresholds. Those are found once, by bisection, from the exact formula; whole tiles then need
+//! no `powf`, and get the very codes that the formula gives.
+
+use std::sync::LazyLock;
+
+/// How radiance beyond what a screen can show is brought into 0..=1, each channel on its own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Curve {
+    /// `min(x, 1)`: plain sRGB; what is too bright is clipped.
+    #[default]
+    Srgb,
+    /// `x / (1 + x)`: never clips, lowers contrast (Reinhard et al. 2002, equation 3, applied to
+    /// each channel rather than to luminance).
+    Reinhard,
+    /// `x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14)`, clipped at 1: Narkowicz's 2016 fit of
+    /// the ACES film curve. Has a toe and a shoulder; 1 becomes 0.80.
+    Filmic,
+}
+
+/// What a pixel shows that is NaN in any channel: magenta.
+pub const NAN_COLOUR: [u8; 3] = [255, 0, 255];
+
+/// Exposure and curve: all that lies between a radiance and the code on the screen.
+///
+/// Every input has an output: negative values and minus infinity show as 0, infinity as 255, a
+/// pixel with a NaN in it as [`NAN_COLOUR`].
+///
+/// ```
+/// use burnish::picture::Tone;
+///
+/// let mut codes = [[0; 3]; 2];
+/// Tone::default().rgb8(&[[0.0, 0.5, 1.0], [f32::NAN, 0.0, 0.0]], &mut codes);
+/// assert_eq!(codes, [[0, 188, 255], [255, 0, 255]]);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tone {
+    /// In stops: 1 doubles the brightness. Taken as the nearest end of [`Tone::EXPOSURE`] beyond
+    /// it, as 0 where it is NaN.
+    pub exposure: f32,
+    /// How bright values are brought into range.
+    pub curve: Curve,
+}
+
+impl Curve {
+    /// All of them, in the order of the window's list.
+    pub const ALL: [Curve; 3] = [Curve::Srgb, Curve::Reinhard, Curve::Filmic];
+
+    /// Lower-case name, as the command line takes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Curve::Srgb => "srgb",
+            Curve::Reinhard => "reinhard",
+            Curve::Filmic => "filmic",
+        }
+    }
+
+    /// As a person writes it.
+    pub fn title(self) -> &'static str {
+        match self {
+            Curve::Srgb => "sRGB",
+            Curve::Reinhard => "Reinhard",
+            Curve::Filmic => "Filmic",
+        }
+    }
+
+    /// Exposed radiance of at least 0 to display light in 0..=1.
+    fn apply(self, x: f64) -> f64 {
+        match self {
+            Curve::Srgb => x.min(1.0),
+            Curve::Reinhard => x / (1.0 + x),
+            Curve::Filmic => (x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)).min(1.0),
+        }
+    }
+
+    fn table(self) -> &'static Table {
+        static TABLES: [LazyLock<Table>; 3] = [
+            LazyLock::new(|| Table::new(Curve::Srgb)),
+            LazyLock::new(|| Table::new(Curve::Reinhard)),
+            LazyLock::new(|| Table::new(Curve::Filmic)),
+        ];
+        match self {
+            Curve::Srgb => &TABLES[0],
+            Curve::Reinhard => &TABLES[1],
+            Curve::Filmic => &TABLES[2],
+        }
+    }
+}
+
+impl Tone {
+    /// Lowest and highest exposure in stops.
+    pub const EXPOSURE: [f32; 2] = [-30.0, 30.0];
+
+    /// The factor before the curve.
+    fn gain(self) -> f32 {
+        let [low, high] = Self::EXPOSURE;
+        if self.exposure.is_nan() { 1.0 } else { self.exposure.clamp(low, high).exp2() }
+    }
+
+    /// The codes of one pixel by the formula itself. For many pixels, [`Tone::map`] gives the
+    /// same a good deal faster.
+    pub fn exact(self, pixel: [f32; 3]) -> [u8; 3] {
+        if pixel.iter().any(|c| c.is_nan()) {
+            return NAN_COLOUR;
+        }
+        let gain = self.gain();
+        pixel.map(|c| code(self.curve, c * gain))
+    }
+
+    /// The codes of a run of pixels, each made into a `T`, which is whatever the caller's screen
+    /// or file wants. As many as the shorter of the two slices has.
+    pub fn map<T>(self, pixels: &[[f32; 3]], out: &mut [T], make: impl Fn([u8; 3]) -> T) {
+        let (gain, table) = (self.gain(), self.curve.table());
+        for (slot, &[r, g, b]) in out.iter_mut().zip(pixels) {
+            // One comparison catches every NaN, and now and then two opposite infinities.
+            *slot = make(if (r + g + b).is_nan() {
+                self.exact([r, g, b])
+            } else {
+                [table.code(r * gain), table.code(g * gain), table.code(b * gain)]
+            });
+        }
+    }
+
+    /// Red, green, blue.
+    pub fn rgb8(self, pixels: &[[f32; 3]], out: &mut [[u8; 3]]) {
+        self.map(pixels, out, |rgb| rgb);
+    }
+
+    /// Red, green, blue, and an alpha of 255.
+    pub fn rgba8(self, pixels: &[[f32; 3]], out: &mut [[u8; 4]]) {
+        self.map(pixels, out, |[r, g, b]| [r, g, b, 255]);
+    }
+}
+
+/// Beyond this every curve shows 255; it keeps the formulas away from infinity.
+const BRIGHTEST: f64 = 1e9;
+
+/// The formula, in double precision so that it rises without a wobble between any two floats.
+/// `exposed` is not NaN.
+fn code(curve: Curve, exposed: f32) -> u8 {
+    let light = curve.apply(f64::from(exposed).clamp(0.0, BRIGHTEST));
+    let signal =
+        if light <= 0.0031308 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 };
+    (255.0 * signal + 0.5) as u8
+}
+
+/// Codes by look-up. A cell is 1/256 of an octave, narrower than any code is, so the code of its
+/// lower end is right or one short.
+///
+/// A cell holds that code times `STEP`, plus as much as makes the low bits of a float at or above
+/// the next threshold carry: one addition gives the code.
+struct Table([u32; CELLS]);
+
+/// Low mantissa bits that do not choose the cell.
+const SHIFT: u32 = 15;
+const STEP: u32 = 1 << SHIFT;
+/// 32 octaves of 256 cells.
+const CELLS: usize = 1 << 13;
+/// Bits of 2^-16, which every curve shows as 0; the last cell ends at 2^16, shown as 255.
+const LOWEST: u32 = (127 - 16) << 23;
+const HIGHEST: u32 = LOWEST + CELLS as u32 * STEP - 1;
+
+impl Table {
+    fn new(curve: Curve) -> Table {
+        let mut cells = [0; CELLS];
+        let mut below = 0;
+        let mut next = first_above(curve, below);
+        for (cell, entry) in cells.iter_mut().enumerate() {
+            let start = LOWEST + cell as u32 * STEP;
+            while below < 255 && next <= start {
+                below += 1;
+                next = first_above(curve, below);
+            }
+            *entry = u32::from(below) * STEP + STEP.saturating_sub(next - start);
+        }
+        Table(cells)
+    }
+
+    #[inline(always)]
+    fn code(&self, exposed: f32) -> u8 {
+        let (low, high) = (f32::from_bits(LOWEST), f32::from_bits(HIGHEST));
+        let x = if exposed > low { exposed } else { low };
+        let x = if x < high { x } else { high };
+        let place = x.to_bits() - LOWEST;
+        let entry = self.0[(place / STEP) as usize & (CELLS - 1)];
+        ((entry + place % STEP) / STEP) as u8
+    }
+}
+
+/// Bits of the smallest float whose code is above `below`; beyond `HIGHEST` for 255.
+fn first_above(curve: Curve, below: u8) -> u32 {
+    // The bits of floats of at least 0 are in the order of the floats.
+    let (mut dark, mut bright) = (0, HIGHEST + 1);
+    while bright - dark > 1 {
+        let middle = dark + (bright - dark) / 2;
+        if code(curve, f32::from_bits(middle)) > below { bright = middle } else { dark = middle }
+    }
+    bright
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn both(curve: Curve, bits: u32) -> [u8; 2] {
+        let (tone, x) = (Tone { exposure: 0.0, curve }, f32::from_bits(bits));
+        let mut fast = [[0; 3]];
+        tone.rgb8(&[[x; 3]], &mut fast);
+        [tone.exact([x; 3])[0], fast[0][0]]
+    }
+
+    #[test]
+    fn no_cell_holds_two_thresholds_and_the_ends_are_black_and_white() {
+        for curve in Curve::ALL {
+            let thresholds: Vec<_> = (0..255).map(|below| first_above(curve, below)).collect();
+            assert!(thresholds[0] > LOWEST && thresholds[254] < HIGHEST, "{curve:?}");
+            let cell = |bits: &u32| (bits - LOWEST) / STEP;
+            assert!(thresholds.windows(2).all(|w| cell(&w[0]) < cell(&w[1])), "{curve:?}");
+        }
+    }
+
+    #[test]
+    fn look_up_is_the_formula_at_every_threshold_and_over_all_floats() {
+        for curve in Curve::ALL {
+            let near = (0..255).map(|below| first_above(curve, below)).flat_map(|t| t - 2..=t + 2);
+            // A stride coprime to the cells' width, from 0 through the denormals to infinity.
+            let all = (0..=f32::INFINITY.to_bits()).step_by(1999);
+            for bits in near.chain(all) {
+                let [exact, fast] = both(curve, bits);
+                assert_eq!(exact, fast, "{curve:?} {}", f32::from_bits(bits));
+            }
+        }
+    }
+}

@@ -1,0 +1,401 @@
+//! The command line, driven as a user or a script drives it: arguments in, files and codes out.
+
+use image::GenericImageView;
+use serde_json::Value;
+use std::collections::HashMap;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+fn burnish() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_burnish"));
+    for display in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
+        command.env_remove(display);
+    }
+    command.stdin(Stdio::null());
+    command
+}
+
+fn run(args: &[&str]) -> Output {
+    burnish().args(args).output().unwrap()
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().unwrap()
+}
+
+fn out(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+fn err(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// Runs what must succeed and gives its stdout.
+fn must(args: &[&str]) -> String {
+    let output = run(args);
+    assert_eq!(code(&output), 0, "{args:?}: {}", err(&output));
+    out(&output)
+}
+
+/// A file's path in a folder as an argument.
+fn at(folder: &tempfile::TempDir, name: &str) -> String {
+    folder.path().join(name).to_str().unwrap().to_owned()
+}
+
+fn json(path: &str) -> Value {
+    serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap()
+}
+
+fn table(csv: &str) -> Vec<HashMap<String, String>> {
+    let mut reader = csv::Reader::from_reader(csv.as_bytes());
+    reader.deserialize().map(|row| row.unwrap()).collect()
+}
+
+#[test]
+fn every_help_has_an_example_that_names_its_subcommand() {
+    for (args, example) in [
+        (&["--help"][..], "burnish render table.scn -o table.png"),
+        (&["render", "--help"], "burnish render table.scn -o table.exr"),
+        (&["brdf", "--help"], "burnish brdf --eval"),
+        (&["report", "--help"], "burnish report --latency"),
+    ] {
+        let help = must(args);
+        assert!(help.contains("Examples:") && help.contains(example), "{args:?}: {help}");
+    }
+    assert_eq!(must(&["--version"]).trim(), concat!("burnish ", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn bad_arguments_are_code_2_and_named() {
+    let o = ["render", "-o", "never-written.png"];
+    for (more, named) in [
+        (&["--nonsense"][..], "--nonsense"),
+        (&["--model", "lambert"], "phong, beckmann, ggx"),
+        (&["--alpha", "0"], "0.0001 to 1"),
+        (&["--alpha", "-0.5"], "--alpha"),
+        (&["--exponent", "-1"], "--exponent"),
+        (&["--alpha", "0.1", "--exponent", "10"], "cannot be used with"),
+        (&["--passes", "0"], "--passes"),
+        (&["--passes", "4294967297"], "--passes"),
+        (&["--time", "0"], "--time"),
+        (&["--time", "1", "--passes", "1"], "cannot be used with"),
+        (&["--size", "0x10"], "WIDTHxHEIGHT"),
+        (&["--size", "640"], "WIDTHxHEIGHT"),
+        (&["--camera", "1 2 3"], "--camera"),
+        (&["--camera", "0 0 0 -1 x 0"], "--camera"),
+        (&["--seed", "-1"], "--seed"),
+        (&["--threads", "100000"], "--threads"),
+        (&["--max-depth", "0"], "--max-depth"),
+        (&["--exposure", "31"], "-30 to 30"),
+        (&["--exposure", "nan"], "--exposure"),
+        (&["--tone", "gamma"], "srgb, reinhard, filmic"),
+        (&["-o", "picture.jpg"], ".exr"),
+        (&["a.scn", "b.scn"], "b.scn"),
+    ] {
+        let output = run(&[&o[..], more].concat());
+        assert_eq!(code(&output), 2, "{more:?}: {}", err(&output));
+        assert!(err(&output).contains(named), "{more:?}: {}", err(&output));
+    }
+    for args in [&["render"][..], &["report"], &["brdf"], &["brdf", "--albedo", "--ks", "1.5"]] {
+        assert_eq!(code(&run(args)), 2, "{args:?}");
+    }
+    assert!(!Path::new("never-written.png").exists());
+}
+
+#[test]
+fn a_missing_scene_is_code_1_and_named_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, picture) = (at(&folder, "no-such.scn"), at(&folder, "a.png"));
+    for args in
+        [&["render", &scene, "-o", &picture][..], &["report", "--latency", &scene], &[&scene]]
+    {
+        let output = run(args);
+        assert_eq!(code(&output), 1, "{args:?}");
+        let text = err(&output);
+        assert!(text.contains("no-such.scn") && text.lines().count() == 1, "{args:?}: {text}");
+    }
+    assert!(!Path::new(&picture).exists());
+}
+
+#[test]
+fn a_broken_scene_is_code_1_with_file_and_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, picture) = (at(&folder, "broken.scn"), at(&folder, "a.png"));
+    fs::write(&scene, "screen 64 48\nlight 1 1 1\nsphere 0 0 0 banana\n").unwrap();
+    let output = run(&["render", &scene, "-o", &picture]);
+    assert_eq!(code(&output), 1);
+    assert!(err(&output).contains("broken.scn:3"), "{}", err(&output));
+}
+
+#[test]
+fn where_nothing_can_be_written_nothing_is_rendered() {
+    let folder = tempfile::tempdir().unwrap();
+    let (good, bad) = (at(&folder, "a.png"), at(&folder, "missing/b.exr"));
+    // So many passes that rendering first would show in the test's time.
+    for bad in [&["-o", &bad][..], &["--stats", &bad]] {
+        let output = run(&[&["render", "-o", &good, "--passes", "1000000"][..], bad].concat());
+        assert_eq!(code(&output), 1);
+        assert!(err(&output).contains("missing"), "{}", err(&output));
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn without_a_display_the_window_is_one_line_that_names_the_way_out() {
+    let output = run(&[]);
+    let text = err(&output);
+    assert_eq!(code(&output), 1);
+    assert_eq!(text.lines().count(), 1, "{text}");
+    assert!(text.contains("burnish render -o picture.png"), "{text}");
+}
+
+#[test]
+fn render_writes_pictures_and_their_figures() {
+    let folder = tempfile::tempdir().unwrap();
+    let [exr, png, stats] = ["a.exr", "a.png", "a.json"].map(|name| at(&folder, name));
+    let output = run(&[
+        "render",
+        "-o",
+        &exr,
+        "-o",
+        &png,
+        "--stats",
+        &stats,
+        "--size",
+        "80x60",
+        "--passes",
+        "8",
+        "--model",
+        "beckmann",
+        "--alpha",
+        "0.2",
+        "--seed",
+        "5",
+        "--threads",
+        "2",
+        "--exposure",
+        "-1",
+    ]);
+    assert_eq!(code(&output), 0, "{}", err(&output));
+    assert!(out(&output).is_empty(), "results go to files alone");
+    assert!(err(&output).contains("8 passes"), "{}", err(&output));
+
+    let exr = burnish::picture::read_exr(exr.as_ref()).unwrap();
+    assert_eq!((exr.width, exr.height), (80, 60));
+    assert_eq!(image::open(&png).unwrap().dimensions(), (80, 60));
+
+    let j = json(&stats);
+    let number = |name: &str| j[name].as_f64().unwrap_or_else(|| panic!("{name} in {j}"));
+    assert_eq!([number("passes"), number("paths")], [8.0, 8.0 * 80.0 * 60.0]);
+    assert_eq!([number("width"), number("height"), number("threads")], [80.0, 60.0, 2.0]);
+    assert_eq!([number("seed"), number("nonfinite")], [5.0, 0.0]);
+    assert_eq!(
+        (&j["model"], &j["version"]),
+        (&"beckmann".into(), &env!("CARGO_PKG_VERSION").into())
+    );
+    assert!(["portable", "avx2"].contains(&j["isa"].as_str().unwrap()), "{j}");
+    assert!(number("rays") > number("paths"));
+    assert!(number("load_s") >= 0.0 && number("build_s") >= 0.0 && number("capped") >= 0.0);
+    assert!(number("render_s") > 0.0 && number("render_s") < 60.0);
+    assert!(number("first_image_s") > 0.0 && number("first_image_s") < 60.0);
+    assert!(number("est_rel_error") > 0.0 && number("est_rel_error") < 10.0);
+    if cfg!(target_os = "linux") {
+        assert!((1.0..4096.0).contains(&number("peak_mib")));
+    }
+    // The mean that is told is that of the file.
+    for channel in 0..3 {
+        let sum: f64 = exr.pixels.iter().map(|p| f64::from(p[channel])).sum();
+        let mean = j["mean"][channel].as_f64().unwrap();
+        assert!(mean > 0.0 && (mean - sum / 4800.0).abs() <= 1e-12 * mean, "{mean}");
+    }
+}
+
+/// The files of two renders at 48x36 with these further arguments.
+fn two_renders(a: &[&str], b: &[&str]) -> [Vec<u8>; 2] {
+    let folder = tempfile::tempdir().unwrap();
+    let path = at(&folder, "a.exr");
+    [a, b].map(|more| {
+        must(&[&["render", "-o", &path, "--size", "48x36", "--passes", "2"][..], more].concat());
+        fs::read(&path).unwrap()
+    })
+}
+
+#[test]
+fn the_picture_depends_on_what_it_should_and_on_nothing_else() {
+    let same = |a: &[&str], b: &[&str]| {
+        let [a, b] = two_renders(a, b);
+        a == b
+    };
+    assert!(same(&["--threads", "1"], &["--threads", "3"]));
+    assert!(same(&["--alpha", "1"], &["--exponent", "0"]));
+    assert!(same(&["--exposure", "3", "--tone", "filmic"], &[]), "an EXR file is the radiance");
+    assert!(!same(&["--seed", "1"], &["--seed", "2"]));
+    assert!(!same(&["--model", "phong"], &["--model", "ggx"]));
+    assert!(!same(&["--alpha", "0.1"], &["--alpha", "0.4"]));
+    assert!(!same(&["--max-depth", "1"], &[]));
+}
+
+#[test]
+fn a_time_ends_a_render_and_keeps_what_is_done() {
+    let folder = tempfile::tempdir().unwrap();
+    let [png, stats] = ["a.png", "a.json"].map(|name| at(&folder, name));
+    must(&["render", "-o", &png, "--stats", &stats, "--size", "64x48", "--time", "0.5"]);
+    let j = json(&stats);
+    let (passes, seconds) = (j["passes"].as_f64().unwrap(), j["render_s"].as_f64().unwrap());
+    assert!(passes >= 1.0, "{j}");
+    assert!((0.3..10.0).contains(&seconds), "{j}");
+    assert!(j["paths"].as_f64().unwrap() >= passes * 64.0 * 48.0);
+    assert!(Path::new(&png).exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_ends_a_render_early_and_writes_it() {
+    use std::io::{BufRead, BufReader};
+    use std::time::{Duration, Instant};
+    let folder = tempfile::tempdir().unwrap();
+    let [exr, stats] = ["a.exr", "a.json"].map(|name| at(&folder, name));
+    let mut child = burnish()
+        .args(["render", "-o", &exr, "--stats", &stats, "--size", "64x48"])
+        .args(["--passes", "1000000000"])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_millis(1500));
+    let start = Instant::now();
+    let pid = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
+    let told: Vec<_> = BufReader::new(child.stderr.take().unwrap()).lines().collect();
+    let status = child.wait().unwrap();
+    assert_eq!(status.code(), Some(0), "{told:?}");
+    assert!(start.elapsed() < Duration::from_secs(20));
+    assert!(told.iter().flatten().any(|line| line.contains("stopped by Ctrl-C")), "{told:?}");
+    let passes = json(&stats)["passes"].as_u64().unwrap();
+    assert!((1..1_000_000_000).contains(&passes), "{passes}");
+    assert_eq!(burnish::picture::read_exr(exr.as_ref()).unwrap().width, 64);
+}
+
+#[test]
+fn latency_is_reported_with_what_it_leaves_out() {
+    let text = must(&["report", "--latency", "--size", "96x64", "--changes", "5"]);
+    for part in ["5 changes", "96x64", "p50", "p95", "max", "window system is not included"] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+    let after = |name: &str| -> f64 {
+        let rest = text.split_once(name).unwrap().1;
+        rest.split_whitespace().next().unwrap().parse().unwrap()
+    };
+    let (p50, p95, max) = (after("p50"), after("p95"), after("max"));
+    assert!(0.0 < p50 && p50 <= p95 && p95 <= max, "{text}");
+}
+
+const HEADER: &str = "Ks,model,ignored,param,wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,Kd";
+
+#[test]
+fn eval_gives_the_textbook_values_at_normal_incidence() {
+    use std::f64::consts::PI;
+    let folder = tempfile::tempdir().unwrap();
+    let path = at(&folder, "rows.csv");
+    let rows = "0.5,ggx,x,0.5,0,0,1,0,0,1,0.3\n\
+                0.5,beckmann,x,0.5,0,0,1,0,0,1,0.3\n\
+                0.5,phong,x,6,0,0,1,0,0,1,0.3\n\
+                0,ggx,x,0.5,0,0,1,0,0,1,0.3\n\
+                0.5,ggx,x,0.5,0,0,-1,0,0,1,0.3\n\
+                0.5,ggx,x,9.999999747378752e-05,0,0,1,0,0,1,0.3\n";
+    fs::write(&path, format!("{HEADER}\n{rows}")).unwrap();
+    let rows = table(&must(&["brdf", "--eval", &path]));
+    assert_eq!(rows.len(), 6);
+    let near = |row: usize, name: &str, expected: f64| {
+        let value: f64 = rows[row][name].parse().unwrap();
+        let close = (value - expected).abs() <= 1e-5 * expected.abs();
+        assert!(close, "row {row}, {name}: {value}, not {expected}");
+    };
+    // D of GGX and Beckmann at the normal is 1 / (pi alpha²), Phong's (a_p + 2) / (2 pi).
+    for (row, d) in [(0, 4.0 / PI), (1, 4.0 / PI), (2, 4.0 / PI), (5, 1e8 / PI)] {
+        near(row, "D", d);
+        near(row, "G1i", 1.0);
+        near(row, "G", 1.0);
+        near(row, "F", 0.5);
+        near(row, "spec", d / 8.0);
+        near(row, "brdf", 0.3 / PI + d / 8.0);
+        near(row, "fcos", 0.3 / PI + d / 8.0);
+        near(row, "pdf_diffuse", 1.0 / PI);
+        near(row, "pdf_spec", d / 4.0);
+        near(row, "p_spec", 0.5 / 0.8);
+        near(row, "pdf", 0.625 * d / 4.0 + 0.375 / PI);
+    }
+    near(3, "spec", 0.0);
+    near(3, "brdf", 0.3 / PI);
+    near(3, "pdf", 1.0 / PI);
+    for name in ["brdf", "fcos", "pdf", "spec"] {
+        near(4, name, 0.0);
+    }
+    assert_eq!(
+        (rows[0]["model"].as_str(), rows[5]["param"].as_str()),
+        ("ggx", "9.999999747378752e-05")
+    );
+}
+
+#[test]
+fn eval_names_file_line_and_column_of_what_is_wrong() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = at(&folder, "rows.csv");
+    let good = "0.5,ggx,x,0.5,0,0,1,0,0,1,0.3";
+    for (text, parts) in [
+        (format!("{HEADER}\n{good}\n\n0.5,ggx,x,0.5,0,zero,1,0,0,1,0.3\n"), [":4:", "wi_y"]),
+        (format!("{HEADER}\r\n{good}\r\n0.5,ggx,x,0.5,0,0,1,0,0,1,1.5"), [":3:", "Kd"]),
+        (format!("{HEADER}\n0.5,ward,x,0.5,0,0,1,0,0,1,0.3\n"), [":2:", "model"]),
+        (format!("{HEADER}\n0.5,ggx,x,5,0,0,1,0,0,1,0.3\n"), [":2:", "param"]),
+        (format!("{HEADER}\n0.5,ggx,x,0.5,0,0,1,0,0,2,0.3\n"), [":2:", "wo_x, wo_y, wo_z"]),
+        (format!("{HEADER}\n0.5,ggx,x,0.5,0,0,1,0,0,nan,0.3\n"), [":2:", "wo_z"]),
+        (format!("{HEADER}\n{good}\n0.5,ggx\n"), [":3:", "expected 11 columns"]),
+        ("model,param\n".into(), [":1:", "wi_x"]),
+        (String::new(), [":1:", "model"]),
+    ] {
+        fs::write(&path, &text).unwrap();
+        let output = run(&["brdf", "--eval", &path]);
+        assert_eq!(code(&output), 1, "{text}");
+        for part in ["rows.csv"].iter().chain(&parts) {
+            assert!(err(&output).contains(part), "{part} in {} for {text}", err(&output));
+        }
+    }
+    let output = run(&["brdf", "--eval", &at(&folder, "none.csv")]);
+    assert!(code(&output) == 1 && err(&output).contains("none.csv"), "{}", err(&output));
+}
+
+#[test]
+fn albedo_of_a_lambertian_is_kd_and_its_error_is_honest() {
+    let args = |more: &[&str]| must(&[&["brdf", "--albedo"][..], more].concat());
+    let rows = table(&args(&["--kd", "0.6", "--ks", "0", "--samples", "1024"]));
+    assert!(rows.len() > 300, "{}", rows.len());
+    for row in &rows {
+        let albedo: f64 = row["albedo"].parse().unwrap();
+        assert!((albedo - 0.6).abs() < 1e-6, "{row:?}");
+    }
+    // At alpha 1 D is constant, and GGX seen from the normal sends back the integral of
+    // cos / (1 + cos) over 0..1, which is 1 - ln 2: the rest is lost to shadowing.
+    let rows = table(&args(&["--samples", "4096", "--seed", "7"]));
+    let row = rows.iter().find(|r| r["model"] == "ggx" && r["param"] == "1").unwrap();
+    let [albedo, error] =
+        ["albedo", "standard_error"].map(|name| row[name].parse::<f64>().unwrap());
+    assert!(error > 0.0 && error < 0.01, "{row:?}");
+    // 15 degrees of freedom: chance goes beyond 6 standard errors once in forty thousand.
+    assert!((albedo - (1.0 - 2f64.ln())).abs() < 6.0 * error, "{row:?}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_reader_of_stdout_that_leaves_is_no_error_to_talk_about() {
+    let mut child = burnish()
+        .args(["brdf", "--albedo"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert!(output.stderr.is_empty(), "{}", err(&output));
+    assert!(output.status.code().is_some(), "not killed, not panicked");
+}

@@ -1,0 +1,354 @@
+//! Rays and shapes: the tree against brute force, no leaks, no self-hits, at any scale and place.
+
+mod support;
+
+use burnish::geometry::{Hit, Ray, offset_origin};
+use burnish::math::V3;
+use burnish::math::lanes::Isa;
+use burnish::scene::{Material, MaterialId, Mesh, Scene, SceneBuilder};
+use glam::{DAffine3, DVec3};
+use std::collections::HashMap;
+use support::Random;
+
+fn clay(b: &mut SceneBuilder) -> MaterialId {
+    b.material(Material::reflecting("clay", [0.5; 3], [0.0; 3], 10.0).unwrap())
+}
+
+fn v3(p: DVec3) -> V3 {
+    V3::from(p.as_vec3().to_array())
+}
+
+/// A sphere of triangles: an octahedron, each face split into four `levels` times.
+fn ball(levels: u32) -> Mesh {
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+    let mut positions: Vec<DVec3> = axes.iter().flat_map(|&a| [a, -a]).collect();
+    let mut triangles: Vec<[u32; 3]> = Vec::new();
+    for x in [0, 1] {
+        for y in [2, 3] {
+            for z in [4, 5] {
+                triangles.push([x, y, z]);
+            }
+        }
+    }
+    for _ in 0..levels {
+        let mut middles = HashMap::new();
+        let mut finer = Vec::new();
+        for [a, b, c] in triangles {
+            let mut middle = |i: u32, j: u32| {
+                *middles.entry((i.min(j), i.max(j))).or_insert_with(|| {
+                    positions.push((positions[i as usize] + positions[j as usize]).normalize());
+                    positions.len() as u32 - 1
+                })
+            };
+            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+            finer.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+        }
+        triangles = finer;
+    }
+    Mesh { positions, normals: vec![], triangles }
+}
+
+fn scene_of(mesh: &Mesh, placement: DAffine3) -> Scene {
+    let mut b = SceneBuilder::new("mesh");
+    let m = clay(&mut b);
+    b.mesh(mesh, placement, m).unwrap();
+    b.build()
+}
+
+/// From inside a closed mesh every ray hits, whatever it is aimed at: 10 million of them.
+#[test]
+fn closed_meshes_leak_nothing() {
+    let mut r = Random::new(1);
+    for place in [DVec3::ZERO, DVec3::new(148_376.0, 1234.0, -223_423.0)] {
+        for scale in [1.0, 1e-6, 1e6] {
+            let placement = DAffine3::from_translation(place * scale)
+                * DAffine3::from_scale(DVec3::splat(scale));
+            let scene = scene_of(&ball(5), placement);
+            let g = scene.geometry();
+            let mut stack = scene.bvh().stack();
+            let mut leaks = 0;
+            let mut shoot = |o: V3, d: V3| {
+                let ray = Ray { o, d };
+                leaks += scene.bvh().closest(g, &ray, f32::INFINITY, &mut stack).is_none() as u32;
+                leaks += !scene.bvh().occluded(g, &ray, f32::INFINITY, &mut stack) as u32;
+            };
+            for k in 0..12 {
+                let o = if k == 0 {
+                    V3::default()
+                } else {
+                    v3(DVec3::from_array(r.direction()) * r.within(0.0, 0.45))
+                };
+                for &p in &g.positions {
+                    shoot(o, p - o);
+                }
+                for t in &g.triangles {
+                    let [a, b, c] = t.map(|i| g.positions[i as usize]);
+                    let f = r.unit();
+                    shoot(o, a + (b - a) * f - o);
+                    shoot(o, (b + c) * 0.5 - o);
+                    shoot(o, (c + a) * 0.5 - o);
+                }
+                for _ in 0..20_000 {
+                    shoot(o, v3(DVec3::from_array(r.direction())));
+                }
+                for axis in [V3::new(1.0, 0.0, 0.0), V3::new(0.0, 1.0, 0.0), V3::new(0.0, 0.0, 1.0)]
+                {
+                    shoot(o, axis);
+                    shoot(o, -axis);
+                }
+            }
+            assert_eq!(leaks, 0, "at {place}, scale {scale}");
+        }
+    }
+}
+
+/// The plainest possible closest hit, in f64.
+fn brute_force(scene: &Scene, ray: &Ray) -> Option<(f64, u32)> {
+    let g = scene.geometry();
+    let d3 = |v: V3| DVec3::new(v.x as f64, v.y as f64, v.z as f64);
+    let (o, d) = (d3(ray.o), d3(ray.d));
+    let mut best: Option<(f64, u32)> = None;
+    let mut offer = |t: f64, id: u32| {
+        if t > 0.0 && best.is_none_or(|(b, _)| t < b) {
+            best = Some((t, id));
+        }
+    };
+    for i in 0..g.triangles.len() {
+        let [a, b, c] = g.corners(i).map(d3);
+        let (e, f) = (b - a, c - a);
+        let p = d.cross(f);
+        let det = e.dot(p);
+        let s = (o - a) / det;
+        let u = s.dot(p);
+        let q = s.cross(e);
+        let v = d.dot(q);
+        if u >= 0.0 && v >= 0.0 && u + v <= 1.0 {
+            offer(f.dot(q), i as u32);
+        }
+    }
+    for (i, s) in g.spheres.iter().enumerate() {
+        let f = o - d3(s.centre);
+        let (a, b) = (d.dot(d), f.dot(d));
+        let disc = b * b - a * (f.dot(f) - (s.radius as f64).powi(2));
+        if disc >= 0.0 {
+            offer((-b - disc.sqrt()) / a, (g.triangles.len() + i) as u32);
+            offer((-b + disc.sqrt()) / a, (g.triangles.len() + i) as u32);
+        }
+    }
+    for (i, c) in g.cylinders.iter().enumerate() {
+        let id = (g.triangles.len() + g.spheres.len() + i) as u32;
+        let n = d3(c.axis()).normalize();
+        let (h, r) = (c.height as f64, c.radius as f64);
+        let f = o - d3(c.base);
+        let (dz, fz) = (d.dot(n), f.dot(n));
+        let (dp, fp) = (d - n * dz, f - n * fz);
+        let (a, b) = (dp.dot(dp), fp.dot(dp));
+        let disc = b * b - a * (fp.dot(fp) - r * r);
+        if disc >= 0.0 {
+            for t in [(-b - disc.sqrt()) / a, (-b + disc.sqrt()) / a] {
+                if (0.0..=h).contains(&(fz + t * dz)) {
+                    offer(t, id);
+                }
+            }
+        }
+        for z in [0.0, h] {
+            let t = (z - fz) / dz;
+            if (fp + dp * t).length() <= r {
+                offer(t, id);
+            }
+        }
+    }
+    best
+}
+
+fn jumble(r: &mut Random) -> Scene {
+    let mut b = SceneBuilder::new("jumble");
+    let m = clay(&mut b);
+    let point =
+        |r: &mut Random| DVec3::new(r.within(-3.0, 3.0), r.within(-2.0, 5.0), r.within(-1.0, 1.0));
+    let mut soup = Mesh::default();
+    for _ in 0..150 {
+        let p = point(r);
+        for _ in 0..3 {
+            soup.positions.push(p + DVec3::from_array(r.direction()) * r.within(0.01, 1.0));
+        }
+        let n = soup.positions.len() as u32;
+        soup.triangles.push([n - 3, n - 2, n - 1]);
+    }
+    b.mesh(&soup, DAffine3::IDENTITY, m).unwrap();
+    for _ in 0..25 {
+        let (p, q) = (point(r), DVec3::from_array(r.direction()) * r.within(0.1, 1.0));
+        b.sphere(p, r.within(0.01, 0.5), m).unwrap();
+        b.cylinder(p, q, r.within(0.01, 0.3), m).unwrap();
+        b.cuboid(p, q, m).unwrap();
+    }
+    b.build()
+}
+
+fn some_ray(r: &mut Random) -> Ray {
+    let o = DVec3::from_array(r.direction()) * r.within(0.0, 3.0);
+    let length = 10f64.powf(r.within(-3.0, 3.0));
+    Ray { o: v3(o), d: v3(DVec3::from_array(r.direction()) * length) }
+}
+
+#[test]
+fn the_tree_agrees_with_brute_force_in_every_instruction_set() {
+    let mut r = Random::new(2);
+    let mut compared = 0;
+    for _ in 0..8 {
+        let mut scene = jumble(&mut r);
+        for _ in 0..12_000 {
+            let ray = some_ray(&mut r);
+            let truth = brute_force(&scene, &ray);
+            let mut answers: Vec<Option<Hit>> = Vec::new();
+            for isa in Isa::available() {
+                scene.set_isa(isa);
+                let (g, bvh) = (scene.geometry(), scene.bvh());
+                let mut stack = bvh.stack();
+                answers.push(bvh.closest(g, &ray, f32::INFINITY, &mut stack));
+                assert_eq!(bvh.occluded(g, &ray, f32::INFINITY, &mut stack), answers[0].is_some());
+                if let Some(hit) = answers[0] {
+                    assert!(bvh.occluded(g, &ray, hit.t, &mut stack), "at its own distance");
+                }
+            }
+            assert!(answers.windows(2).all(|w| w[0] == w[1]), "{answers:?}");
+            match (truth, answers[0]) {
+                (Some((t, id)), Some(hit)) => {
+                    // A nearly equal distance may belong to another primitive.
+                    let close = (hit.t as f64 - t).abs() <= 1e-4 * t + 1e-5 / ray.d.length() as f64;
+                    assert!(close || hit.primitive == id, "{t} {id} {hit:?} {ray:?}");
+                    compared += 1;
+                }
+                (None, None) => {}
+                // Grazing hits within rounding may differ.
+                _ => compared -= 50,
+            }
+        }
+    }
+    assert!(compared > 6000, "{compared}");
+}
+
+#[test]
+fn leaving_a_convex_shape_never_meets_it_again() {
+    let mut r = Random::new(3);
+    for scale in [1e-6, 1.0, 1e6] {
+        for shift in [0.0, 1e4, 1e6] {
+            for shape in 0..4 {
+                let mut b = SceneBuilder::new("convex");
+                let m = clay(&mut b);
+                let at = DVec3::new(0.3, -0.7, 0.2) * scale + DVec3::splat(shift * scale);
+                match shape {
+                    0 => b.sphere(at, 0.7 * scale, m).unwrap(),
+                    1 => b.cylinder(at, DVec3::new(0.3, 0.5, 0.8) * scale, 0.2 * scale, m).unwrap(),
+                    2 => b.cuboid(at, DVec3::new(1.0, 0.3, 2.0) * scale, m).unwrap(),
+                    _ => {
+                        let place = DAffine3::from_translation(at)
+                            * DAffine3::from_scale(DVec3::splat(scale));
+                        b.mesh(&ball(3), place, m).map(|_| ()).unwrap();
+                    }
+                }
+                let scene = b.build();
+                let g = scene.geometry();
+                let mut stack = scene.bvh().stack();
+                for _ in 0..28_000 {
+                    let o = v3(DVec3::from_array(r.direction()) * 3.0);
+                    let aim = v3(DVec3::from_array(r.direction()) * r.within(0.0, 0.9));
+                    let ray = Ray { o, d: aim - o };
+                    let Some(hit) = scene.bvh().closest(g, &ray, f32::INFINITY, &mut stack) else {
+                        continue;
+                    };
+                    let s = g.surface(&ray, &hit);
+                    let ng = if s.ng.dot(ray.d) > 0.0 { -s.ng } else { s.ng };
+                    // Half of the directions graze.
+                    let mut d = v3(DVec3::from_array(r.direction()));
+                    let up = d.dot(ng);
+                    let graze = if r.bits() % 2 == 0 { 10f32.powf(-4.0 * r.unit()) } else { 1.0 };
+                    d = d + ng * (up.abs() * graze - up);
+                    // What rounding has turned inwards does not leave.
+                    if ng.dot(d) <= 0.0 {
+                        continue;
+                    }
+                    let away = Ray { o: offset_origin(s.p, s.error, ng, d), d };
+                    let again = scene.bvh().closest(g, &away, f32::INFINITY, &mut stack);
+                    assert!(
+                        again.is_none(),
+                        "shape {shape} scale {scale} shift {shift}: {again:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn plates_a_ten_thousandth_apart_shadow_each_other() {
+    let mut b = SceneBuilder::new("plates");
+    let m = clay(&mut b);
+    b.cuboid(DVec3::new(-1.0, -1.0, 0.0), DVec3::new(2.0, 2.0, 0.0), m).unwrap();
+    b.cuboid(DVec3::new(-1.0, -1.0, 1e-4), DVec3::new(2.0, 2.0, 0.0), m).unwrap();
+    let scene = b.build();
+    let g = scene.geometry();
+    let mut stack = scene.bvh().stack();
+    let mut r = Random::new(4);
+    for _ in 0..100_000 {
+        let d = V3::new(0.2 * (r.unit() - 0.5), 0.2 * (r.unit() - 0.5), 1.0);
+        let from = V3::new(r.unit() - 0.5, r.unit() - 0.5, -0.9);
+        let up = Ray { o: from, d };
+        let hit = scene.bvh().closest(g, &up, f32::INFINITY, &mut stack).unwrap();
+        let s = g.surface(&up, &hit);
+        let through = Ray { o: offset_origin(s.p, s.error, s.ng, d), d };
+        let second = scene.bvh().closest(g, &through, f32::INFINITY, &mut stack).unwrap();
+        let gap = second.t * d.z;
+        assert!((gap - 1e-4).abs() < 5e-6, "{gap}");
+    }
+}
+
+#[test]
+fn odd_geometry_builds_and_answers() {
+    let nowhere = Ray { o: V3::default(), d: V3::new(f32::NAN, 0.0, 1.0) };
+    // Nothing at all.
+    let scene = SceneBuilder::new("empty").build();
+    let mut stack = scene.bvh().stack();
+    let ray = Ray { o: V3::new(0.0, 0.0, -5.0), d: V3::new(0.0, 0.0, 1.0) };
+    assert!(scene.bvh().closest(scene.geometry(), &ray, 1e9, &mut stack).is_none());
+    // One triangle; broken ones are dropped and counted.
+    let mut b = SceneBuilder::new("one");
+    let m = clay(&mut b);
+    let x = |x: f64| DVec3::new(x, 0.0, 0.0);
+    let mesh = Mesh {
+        positions: vec![x(0.0), x(1.0), DVec3::Y, x(2.0), x(f64::NAN), x(1e30), x(1.0)],
+        normals: vec![],
+        triangles: vec![[0, 1, 2], [0, 1, 3], [0, 4, 2], [0, 5, 2], [0, 1, 99], [1, 6, 2]],
+    };
+    let c = b.mesh(&mesh, DAffine3::IDENTITY, m).unwrap();
+    assert_eq!((c.kept, c.degenerate, c.out_of_range, c.bad_index), (1, 2, 2, 1));
+    let scene = b.build();
+    assert!(scene.bvh().closest(scene.geometry(), &nowhere, 1e9, &mut stack).is_none());
+    // A hundred thousand copies of one triangle.
+    let mut b = SceneBuilder::new("copies");
+    let m = clay(&mut b);
+    let triangles = vec![[0, 1, 2]; 100_000];
+    let mesh = Mesh { positions: vec![x(0.0), x(1.0), DVec3::Y], normals: vec![], triangles };
+    b.mesh(&mesh, DAffine3::IDENTITY, m).unwrap();
+    let scene = b.build();
+    assert_eq!((scene.counts().triangles, scene.counts().duplicates), (1, 99_999));
+    // NaN, infinite and null rays hit nothing.
+    let g = scene.geometry();
+    let mut stack = scene.bvh().stack();
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        for k in 0..3 {
+            let mut v = [0.1, 0.2, 1.0];
+            v[k] = bad;
+            let rays = [
+                Ray { o: V3::new(0.0, 0.0, -1.0), d: V3::from(v) },
+                Ray { o: V3::from(v), d: V3::new(0.0, 0.0, 1.0) },
+            ];
+            for ray in rays {
+                assert!(scene.bvh().closest(g, &ray, f32::INFINITY, &mut stack).is_none());
+                assert!(!scene.bvh().occluded(g, &ray, f32::INFINITY, &mut stack));
+            }
+        }
+    }
+    let still = Ray { o: V3::default(), d: V3::default() };
+    assert!(scene.bvh().closest(g, &still, f32::INFINITY, &mut stack).is_none());
+}

@@ -1,0 +1,268 @@
+//! Pictures on their way to the screen and to files, and back.
+
+mod support;
+
+use burnish::picture::{Curve, Format, NAN_COLOUR, Picture, SaveError, Tone};
+use burnish::picture::{check_writable, read_exr, replace_file, write};
+use std::fs;
+use std::io;
+use std::path::Path;
+use support::Random;
+
+fn tone(exposure: f32, curve: Curve) -> Tone {
+    Tone { exposure, curve }
+}
+
+fn code(tone: Tone, radiance: f32) -> u8 {
+    let mut out = [[0; 3]];
+    tone.rgb8(&[[radiance; 3]], &mut out);
+    out[0][0]
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<_> = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn every_radiance_has_a_code() {
+    for curve in Curve::ALL {
+        for exposure in [-30.0, -1.0, 0.0, 2.5, 30.0, f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
+            let tone = tone(exposure, curve);
+            for dark in [0.0, -0.0, -1e-45, -1.0, -1e30, f32::NEG_INFINITY, 1e-45] {
+                assert_eq!(code(tone, dark), 0, "{tone:?} {dark}");
+            }
+            for bright in [1e30, f32::MAX, f32::INFINITY] {
+                assert_eq!(code(tone, bright), 255, "{tone:?} {bright}");
+            }
+            for nan in [[f32::NAN, 0.0, 0.0], [0.0, -f32::NAN, 0.0], [1.0, 0.0, f32::NAN]] {
+                let mut out = [[0; 4]];
+                tone.rgba8(&[nan], &mut out);
+                assert_eq!(out, [[255, 0, 255, 255]]);
+                assert_eq!(tone.exact(nan), NAN_COLOUR);
+            }
+        }
+    }
+}
+
+#[test]
+fn tables_are_within_one_code_of_the_formula_at_every_exposure() {
+    for curve in Curve::ALL {
+        for exposure in [-7.3, -1.0, 0.0, 0.1, 5.0] {
+            let tone = tone(exposure, curve);
+            for bits in (0..f32::INFINITY.to_bits()).step_by(40_009) {
+                let x = f32::from_bits(bits);
+                let exact = tone.exact([x; 3])[0];
+                assert!(code(tone, x).abs_diff(exact) <= 1, "{tone:?} {x}");
+            }
+        }
+    }
+}
+
+#[test]
+fn codes_are_those_of_the_published_curves() {
+    // Mid grey in sRGB, the end of its straight part, and what the curves make of 1.
+    assert_eq!(code(tone(0.0, Curve::Srgb), 0.214_041_14), 128);
+    assert_eq!(code(tone(0.0, Curve::Srgb), 0.0031308), 10);
+    assert_eq!(code(tone(0.0, Curve::Reinhard), 1.0), 188);
+    assert_eq!(code(tone(0.0, Curve::Filmic), 1.0), 232);
+}
+
+#[test]
+fn a_stop_is_a_factor_of_two() {
+    for curve in Curve::ALL {
+        for x in [0.001, 0.02, 0.18, 0.4, 3.0] {
+            assert_eq!(code(tone(1.0, curve), x), code(tone(0.0, curve), 2.0 * x));
+            assert_eq!(code(tone(-2.0, curve), x), code(tone(0.0, curve), 0.25 * x));
+        }
+    }
+}
+
+#[test]
+fn channels_keep_their_places() {
+    let pixels = [[0.0, 0.5, 1.0], [1.0, 0.0, 0.5]];
+    let mut out = [[9; 4]; 3];
+    Tone::default().rgba8(&pixels, &mut out);
+    assert_eq!(out, [[0, 188, 255, 255], [255, 0, 188, 255], [9; 4]]);
+}
+
+#[test]
+fn exr_comes_back_bit_for_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("picture.EXR");
+    let odd = [0.0, -0.0, 1e-45, -1e30, 3.0e38, f32::MAX, f32::INFINITY, f32::NAN, 1.0 / 3.0];
+    let mut picture = Picture::black(37, 5);
+    for (i, pixel) in picture.pixels.iter_mut().enumerate() {
+        *pixel = std::array::from_fn(|c| odd[(i + 2 * c) % odd.len()]);
+    }
+    write(&path, &picture, tone(3.0, Curve::Filmic)).unwrap();
+    let back = read_exr(&path).unwrap();
+    assert_eq!((back.width, back.height), (37, 5));
+    let bits =
+        |p: &Picture| p.pixels.as_flattened().iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+    assert_eq!(bits(&back), bits(&picture));
+    assert_eq!(names(folder.path()), ["picture.EXR"]);
+}
+
+#[test]
+fn png_holds_the_codes_of_a_ramp() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("ramp.png");
+    // The inverse of the sRGB transfer curve at every code.
+    let light = |code: u32| {
+        let v = f64::from(code) / 255.0;
+        (if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }) as f32
+    };
+    let pixels = (0..256).map(|c| [light(c), light(255 - c), 0.25 * light(c)]).collect();
+    let picture = Picture { width: 64, height: 4, pixels };
+    write(&path, &picture, Tone::default()).unwrap();
+    let back = image::open(&path).unwrap();
+    assert_eq!(back.color(), image::ColorType::Rgb8);
+    for (code, pixel) in back.to_rgb8().pixels().enumerate() {
+        assert_eq!(pixel.0[..2], [code as u8, 255 - code as u8]);
+    }
+    // Two stops up, the third channel is the ramp.
+    write(&path, &picture, tone(2.0, Curve::Srgb)).unwrap();
+    for (code, pixel) in image::open(&path).unwrap().to_rgb8().pixels().enumerate() {
+        assert_eq!(pixel.0[2], code as u8);
+    }
+}
+
+#[test]
+fn a_name_decides_the_format_or_is_an_error_that_lists_them() {
+    assert_eq!(Format::of(Path::new("a.png")).unwrap(), Format::Png);
+    assert_eq!(Format::of(Path::new("b.c/a.ExR")).unwrap(), Format::Exr);
+    for bad in ["a.jpg", "a", "a.", "png", ".exr"] {
+        let text = Format::of(Path::new(bad)).unwrap_err().to_string();
+        assert!(text.starts_with(bad) && text.contains(".png") && text.contains(".exr"), "{text}");
+    }
+}
+
+#[test]
+fn a_save_that_fails_leaves_the_old_file_and_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("precious.png");
+    fs::write(&path, "old").unwrap();
+    let error = replace_file(&path, |sink| {
+        sink.write_all(b"half of the new")?;
+        Err(io::Error::other("the disk is full"))
+    })
+    .unwrap_err();
+    let text = error.to_string();
+    assert!(text.contains("precious.png") && text.contains("the disk is full"), "{text}");
+    assert_eq!(fs::read(&path).unwrap(), b"old");
+    assert_eq!(names(folder.path()), ["precious.png"]);
+
+    // Pixels that do not fill the picture must not cost the old file either.
+    let broken = Picture { width: 3, height: 3, pixels: vec![[0.0; 3]; 8] };
+    let empty = Picture::black(0, 0);
+    for (picture, name) in [(&broken, "precious.png"), (&broken, "b.exr"), (&empty, "c.exr")] {
+        let error = write(&folder.path().join(name), picture, Tone::default()).unwrap_err();
+        assert!(matches!(error, SaveError::Write { .. }), "{error}");
+    }
+    assert_eq!(fs::read(&path).unwrap(), b"old");
+    assert_eq!(names(folder.path()), ["precious.png"]);
+}
+
+#[test]
+fn whether_a_file_can_be_written_is_known_beforehand() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    check_writable(&at("new.png")).unwrap();
+    assert!(names(folder.path()).is_empty(), "a check leaves nothing behind");
+
+    let missing = check_writable(&at("no/such/a.png")).unwrap_err().to_string();
+    assert!(missing.contains("no/such/a.png") && missing.contains("folder"), "{missing}");
+    assert!(!missing.contains(".part"), "{missing}");
+
+    fs::create_dir(at("folder.png")).unwrap();
+    assert!(matches!(check_writable(&at("folder.png")), Err(SaveError::NotAFile(_))));
+
+    fs::write(at("kept.png"), "old").unwrap();
+    let mut permissions = fs::metadata(at("kept.png")).unwrap().permissions();
+    permissions.set_readonly(true);
+    fs::set_permissions(at("kept.png"), permissions).unwrap();
+    assert!(matches!(check_writable(&at("kept.png")), Err(SaveError::Protected(_))));
+}
+
+#[cfg(unix)]
+#[test]
+fn links_and_permissions_survive() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let folder = tempfile::tempdir().unwrap();
+    let (file, link) = (folder.path().join("file.png"), folder.path().join("link.png"));
+    fs::write(&file, "old").unwrap();
+    fs::set_permissions(&file, fs::Permissions::from_mode(0o640)).unwrap();
+    symlink(&file, &link).unwrap();
+    replace_file(&link, |sink| sink.write_all(b"new")).unwrap();
+    assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert_eq!(fs::read(&file).unwrap(), b"new");
+    assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o640);
+    // A new file is as readable as any other program's: the temporary one's 0600 must not show.
+    let (fresh, plain) = (folder.path().join("fresh"), folder.path().join("plain"));
+    replace_file(&fresh, |sink| sink.write_all(b"x")).unwrap();
+    fs::write(&plain, "x").unwrap();
+    let mode = |path| fs::metadata(path).unwrap().permissions().mode();
+    assert_eq!(mode(&fresh), mode(&plain));
+}
+
+#[test]
+fn broken_and_oversized_exr_files_are_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    write(&path, &Picture::black(16, 16), Tone::default()).unwrap();
+    let whole = fs::read(&path).unwrap();
+    for length in [0, 4, 100, whole.len() / 2, whole.len() - 1] {
+        fs::write(&path, &whole[..length]).unwrap();
+        let text = read_exr(&path).unwrap_err().to_string();
+        assert!(text.contains("a.exr") && text.contains("16384"), "{length}: {text}");
+    }
+    let missing = read_exr(&folder.path().join("none.exr")).unwrap_err().to_string();
+    assert!(missing.contains("none.exr"), "{missing}");
+
+    // A side of 16385 is beyond the limit, whatever the memory.
+    write(&path, &Picture::black(16_385, 1), Tone::default()).unwrap();
+    assert!(read_exr(&path).is_err());
+    write(&path, &Picture::black(16_384, 1), Tone::default()).unwrap();
+    assert!(read_exr(&path).is_ok());
+}
+
+/// One to four bytes changed, mostly in the header: what is read is a picture or an error with the
+/// file's name, and neither a panic nor a wait.
+#[test]
+fn damaged_exr_files_are_pictures_or_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    let pixels = (0..180).map(|i| [i as f32, 1.0 / (i as f32 + 1.0), 0.5]).collect();
+    write(&path, &Picture { width: 20, height: 9, pixels }, Tone::default()).unwrap();
+    let whole = fs::read(&path).unwrap();
+    let mut random = Random::new(3);
+    let (mut pictures, mut errors) = (0, 0);
+    for _ in 0..500 {
+        let mut bytes = whole.clone();
+        for _ in 0..=random.bits() % 4 {
+            let part = if random.bits().is_multiple_of(4) { bytes.len() } else { 400 };
+            let place = random.bits() as usize % part;
+            bytes[place] = [0, 255, random.bits() as u8][random.bits() as usize % 3];
+        }
+        fs::write(&path, &bytes).unwrap();
+        match read_exr(&path) {
+            Ok(picture) => {
+                assert_eq!(
+                    picture.pixels.len() as u64,
+                    picture.width as u64 * picture.height as u64
+                );
+                pictures += 1;
+            }
+            Err(error) => {
+                assert!(error.to_string().contains("a.exr"), "{error}");
+                errors += 1;
+            }
+        }
+    }
+    assert!(pictures > 50 && errors > 50, "{pictures} pictures, {errors} errors");
+}

@@ -1,0 +1,191 @@
+//! No input may panic, hang or eat memory.
+
+use super::text;
+use burnish::scene::read::{self, Memory};
+
+#[test]
+fn broken_files_are_errors() {
+    let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    let head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+                property float z\nelement face 1\nproperty list uchar int vertex_indices\n\
+                end_header\n";
+    let binary = head.replace("ascii", "binary_little_endian");
+    let long = "9".repeat(1 << 20);
+    let garbage: String = (0..4000u32).map(|i| char::from((i * i % 251) as u8 | 1)).collect();
+    let cases: Vec<(&str, String)> = vec![
+        ("a.scn", String::new()),
+        ("a.scn", "\u{feff}".into()),
+        ("a.scn", "\n\n\n".into()),
+        ("a.scn", "\0\0\0\0".into()),
+        ("a.scn", garbage.clone()),
+        ("a.scn", "s\0p\0h\0e\0r\0e\0".into()),
+        ("a.scn", "sphere 0 0 0".into()),
+        ("a.scn", "sphere 0;0;0;1".into()),
+        ("a.scn", "sphere inf 0 0 1".into()),
+        ("a.scn", format!("sphere {long} 0 0 1")),
+        ("a.scn", "sphere 0 0 0 1e-999".into()),
+        ("a.scn", "sphere 0 0 0 1e999".into()),
+        ("a.scn", "box 0 0 0 1e300 1 1".into()),
+        ("a.scn", "box 0 0 0 0 0 0".into()),
+        ("a.scn", "cylinder 0 0 0 0 0 1e-200 1".into()),
+        ("a.scn", "camera 0 0 0 -1".into()),
+        ("a.scn", "camera 1e400 0 0 1".into()),
+        ("a.scn", "camera 0 0 0 1 q".into()),
+        ("a.scn", "camera 0 0 0 1 q 1e999 0 0 0".into()),
+        ("a.scn", "screen 99999 99999".into()),
+        ("a.scn", "screen -1 1".into()),
+        ("a.scn", "screen 1e999 1".into()),
+        ("a.scn", "brdf 1 1 1 1 1 1 -1".into()),
+        ("a.scn", "brdf 1 1 1 1 1 1 1 1".into()),
+        ("a.scn", "brdf 0xff 0 0 0 0 0 \u{fffd}".into()),
+        ("a.scn", "light 1e999 0 0".into()),
+        ("a.scn", "environment 1 1".into()),
+        ("a.scn", "mesh ../../../../etc/passwd.ply 0 0 0 1".into()),
+        ("a.scn", "mesh a.scn 0 0 0 1".into()),
+        ("a.obj", String::new()),
+        ("a.obj", garbage.clone()),
+        ("a.obj", vertices.into()),
+        ("a.obj", format!("{vertices}f 1 2 18446744073709551615")),
+        ("a.obj", format!("{vertices}f 1 2 4294967299")),
+        ("a.obj", format!("{vertices}f 1 2 -9223372036854775808")),
+        ("a.obj", format!("{vertices}f 1//1 2//1 3//1")),
+        ("a.obj", format!("{vertices}v {long} x 0\nf 1 2 3")),
+        ("a.obj", "v 1e999 0 0\nv 0 0 0\nv 0 1 0\nf 1 2 3".into()),
+        ("a.obj", "v 1e39 0 0\nv 1e39 0 0\nv 1e39 1 0\nf 1 2 3".into()),
+        ("a.obj", format!("{}\\", "v 0 0 0 \\\n".repeat(1000))),
+        ("a.ply", garbage),
+        ("a.ply", "ply".into()),
+        ("a.ply", "ply\nend_header\n".into()),
+        ("a.ply", head.into()),
+        ("a.ply", head.replace("face 1", "face 99999999999999999999999")),
+        ("a.ply", head.replace("face 1", "face 1000000000000")),
+        ("a.ply", format!("{head}0 0 0\n1 0 0\n0 1 0\n4294967295 0 1 2")),
+        ("a.ply", format!("{head}0 0 0\n1 0 0\n0 1 0\n3 0 1 4294967296")),
+        ("a.ply", format!("{head}0 0 0\n1 0 0\n0 1 0\n-3 0 1 2")),
+        ("a.ply", format!("{head}0 0 0\n1 0 0\n0 {long}x 0\n3 0 1 2")),
+        ("a.ply", format!("{}{}", binary.replace("uchar int", "uint int"), "\u{7f}".repeat(80))),
+        ("a.ply", format!("{}{}", binary.replace("uchar int", "float int"), "\u{7f}".repeat(80))),
+        ("a.ply", format!("{}{}", binary.replace("uchar int", "char int"), "\u{7f}".repeat(80))),
+        ("a.ply", format!("{}{}", binary.replace("vertex 3", "vertex 1000000000"), "0".repeat(80))),
+        ("a.stl", "solid".into()),
+        ("a", "sphere 0 0 0 1".into()),
+        ("", "sphere 0 0 0 1".into()),
+    ];
+    for (name, content) in cases {
+        let start: String = content.chars().take(80).collect();
+        let Err(error) = text(name, &content) else { panic!("{name} was read: {start}") };
+        let message = error.to_string();
+        assert!(message.len() < 500, "{name}: too long a message on {start}: {message}");
+        assert!(!message.contains(['\0', '\u{1b}', '\n']), "{message:?}");
+    }
+}
+
+/// SplitMix64 (Steele, Lea and Flood 2014).
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, n: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) % n.max(1) as u64) as usize
+    }
+
+    /// A few random changes: bits, bytes, runs that move or vanish, words that hurt.
+    fn mutate(&mut self, good: &[u8]) -> Vec<u8> {
+        const WORDS: [&str; 20] = [
+            " -1 ",
+            " 0 ",
+            " 1e999 ",
+            " nan ",
+            "\n",
+            " \\\n",
+            "/",
+            "//",
+            " 99999999999999999999 ",
+            " -9223372036854775808 ",
+            "18446744073709551615",
+            "\r",
+            "\0",
+            " 4294967296 ",
+            " q ",
+            "f 1 2 3\n",
+            "Kd 0.5\n",
+            " list ",
+            "element x 4000000000\n",
+            "\u{feff}",
+        ];
+        let mut bytes = good.to_vec();
+        for _ in 0..=self.below(4) {
+            let (a, b) = (self.below(bytes.len() + 1), self.below(bytes.len() + 1));
+            let (a, b) = (a.min(b), a.max(b).min(a.min(b) + 40));
+            match self.below(6) {
+                0 if a < bytes.len() => bytes[a] ^= 1 << self.below(8),
+                1 if a < bytes.len() => bytes[a] = self.below(256) as u8,
+                2 => drop(bytes.drain(a..b)),
+                3 => bytes.truncate(a),
+                4 => {
+                    let run = bytes[a..b].to_vec();
+                    let at = self.below(bytes.len() + 1);
+                    bytes.splice(at..at, run);
+                }
+                _ => {
+                    let word = WORDS[self.below(WORDS.len())].bytes();
+                    bytes.splice(a..a, word);
+                }
+            }
+        }
+        bytes
+    }
+}
+
+#[test]
+fn thousands_of_damaged_files_neither_panic_nor_hang() {
+    let mut binary = b"ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty float x\n\
+                       property double y\nproperty float z\nelement face 1\n\
+                       property list ushort uint vertex_index\nproperty list uchar char tags\n\
+                       end_header\n"
+        .to_vec();
+    for [x, y, z] in [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] {
+        binary.extend(x.to_be_bytes());
+        binary.extend(f64::from(y).to_be_bytes());
+        binary.extend(z.to_be_bytes());
+    }
+    binary.extend([0, 3, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 2, 1, 9]);
+    let good: [(&str, &[u8]); 5] = [
+        ("workshop.scn", include_bytes!("../data/workshop.scn")),
+        ("lamp.obj", include_bytes!("../data/lamp.obj")),
+        ("lamp.mtl", include_bytes!("../data/lamp.mtl")),
+        ("leaf.ply", include_bytes!("../data/leaf.ply")),
+        ("binary.ply", &binary),
+    ];
+    let mut random = Random(20_260_101);
+    let mut read = [0, 0];
+    for round in 0..6000 {
+        let mut files = good;
+        let victim = round % files.len();
+        let bytes = random.mutate(files[victim].1);
+        files[victim].1 = &bytes;
+        // An MTL file is read by way of its model.
+        let opened = if victim == 2 { 1 } else { victim };
+        let (name, content) = files[opened];
+        match read::read(content, name.as_ref(), &Memory(&files)) {
+            Ok((builder, report)) => {
+                read[0] += 1;
+                assert!(
+                    builder.shapes() <= 100 + bytes.len(),
+                    "{name}: {} shapes",
+                    builder.shapes()
+                );
+                assert!(report.warnings.iter().all(|w| w.to_string().len() < 500));
+            }
+            Err(error) => {
+                read[1] += 1;
+                assert!(error.to_string().len() < 500, "{error}");
+            }
+        }
+    }
+    // Both ways are taken often, or the damage is too great or too small to test anything.
+    assert!(read.iter().all(|&n| n > 1000), "{read:?}");
+}

@@ -1,0 +1,128 @@
+//! Files on disk: found, named in messages, refused with a reason.
+
+use super::{message, warnings};
+use burnish::scene::read::{self, Files, Memory};
+use std::borrow::Cow;
+use std::cell::Cell;
+use std::io::{Error, Write};
+use std::path::{Path, PathBuf};
+
+#[test]
+fn a_scene_with_the_oddities_of_files_in_the_wild() {
+    let (builder, report) = read::open("tests/data/workshop.scn".as_ref()).unwrap();
+    let scene = "tests/data/workshop.scn";
+    let opaque = "asks for transmission, which is not modelled: the surface is opaque";
+    assert_eq!(
+        warnings(&report),
+        [
+            format!("{scene}:4: camera: `2.9b` is read as 2.9"),
+            format!("{scene}:7: sphere: `0,` is read as 0"),
+            format!("{scene}:8: unknown command `ibl`: the line is not used"),
+            format!(
+                "{scene}:13: mesh: the shape statue.x is left out: files of this kind are not \
+                 read, only .scn, .obj and .ply; a model can be converted: `assimp export \
+                 statue.x statue.obj`"
+            ),
+            format!(
+                "{scene}:16: mesh: `extra` and what follows is not used; expected `mesh FILE tx \
+                 ty tz s ORIENT`"
+            ),
+            format!("{scene}:19: brdf: Kt 0.9 0.9 0.9 {opaque}"),
+        ]
+    );
+    assert_eq!(report.notes, ["tests/data/leaf.ply: not used: confidence"]);
+    let names: Vec<&str> = builder.materials().iter().map(|m| m.name.as_str()).collect();
+    assert_eq!(names, ["light, line 6", "brdf, line 9", "brdf, line 15", "brdf, line 19"]);
+    assert_eq!((builder.screen, builder.name.as_str()), ([320, 240], "workshop.scn"));
+    // Three spheres, a box, a cylinder and two leaves of three triangles.
+    assert_eq!(builder.shapes(), 3 + 12 + 1 + 6);
+}
+
+#[test]
+fn models_are_sought_beside_the_scene_then_in_the_working_directory() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("s.SCN");
+    let write = |name: &Path, text: &str| {
+        std::fs::File::create(name).unwrap().write_all(text.as_bytes()).unwrap()
+    };
+    // The tests run in the package's folder.
+    write(&scene, "mesh tests/data/leaf.ply 0 0 0 1");
+    assert_eq!(read::open(&scene).unwrap().0.shapes(), 3);
+
+    std::fs::create_dir_all(folder.path().join("tests/data")).unwrap();
+    let quad = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+                property float z\nelement face 1\nproperty list uchar int vertex_indices\n\
+                end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    write(&folder.path().join("tests/data/leaf.ply"), quad);
+    assert_eq!(read::open(&scene).unwrap().0.shapes(), 1);
+
+    write(&scene, "light 1 1 1\nmesh none.ply 0 0 0 1");
+    assert_eq!(
+        message(read::open(&scene)),
+        format!(
+            "{}:2: mesh: cannot read the model none.ply: it is neither beside this file nor in \
+             the working directory",
+            scene.display()
+        )
+    );
+    std::fs::create_dir(folder.path().join("folder.ply")).unwrap();
+    write(&scene, "mesh folder.ply 0 0 0 1\n");
+    assert!(message(read::open(&scene)).ends_with("the model folder.ply: it is a directory"));
+}
+
+#[test]
+fn what_cannot_be_opened_is_named() {
+    for (path, reason) in [
+        ("tests/data", "this is a directory; expected a .scn, .obj or .ply file"),
+        ("tests/data/none", "the name must end in .scn, .obj or .ply"),
+        (
+            "tests/data/statue.x",
+            "files of this kind are not read, only .scn, .obj and .ply; a model can be converted: \
+             `assimp export tests/data/statue.x tests/data/statue.obj`",
+        ),
+    ] {
+        assert_eq!(message(read::open(path.as_ref())), format!("{path}: {reason}"));
+    }
+    let absent = message(read::open("tests/data/none.scn".as_ref()));
+    assert!(absent.starts_with("tests/data/none.scn: cannot read the file: "), "{absent}");
+    #[cfg(unix)]
+    {
+        // A device never ends.
+        let folder = tempfile::tempdir().unwrap();
+        let endless = folder.path().join("endless.obj");
+        std::os::unix::fs::symlink("/dev/zero", &endless).unwrap();
+        let text = message(read::open(&endless));
+        assert!(text.ends_with("cannot read the file: it is not a regular file"), "{text}");
+    }
+}
+
+#[test]
+fn a_model_that_cannot_be_read_names_itself_and_the_scene() {
+    let files = Memory(&[("bad.ply", b"plx")]);
+    let scene = b"sphere 0 0 0 1\nmesh bad.ply 0 0 0 1";
+    assert_eq!(
+        message(read::read_scn(scene, "s.scn".as_ref(), &files)),
+        "bad.ply:1: expected `ply` on the first line of a PLY file (a model of s.scn:2)"
+    );
+    let nested = message(read::read_scn(
+        b"mesh s.scn 0 0 0 1",
+        "s.scn".as_ref(),
+        &Memory(&[("s.scn", b"mesh s.scn 0 0 0 1")]),
+    ));
+    assert_eq!(nested, "s.scn: a scene cannot be a part of another scene (a model of s.scn:1)");
+}
+
+#[test]
+fn a_model_is_read_once_however_often_it_is_placed() {
+    struct Counting(Cell<usize>);
+    impl Files for Counting {
+        fn find(&self, name: &str) -> Result<(PathBuf, Cow<'_, [u8]>), Error> {
+            self.0.set(self.0.get() + 1);
+            Ok((name.into(), Cow::Borrowed(include_bytes!("../data/leaf.ply"))))
+        }
+    }
+    let files = Counting(Cell::new(0));
+    let scene = "mesh leaf.ply 0 0 0 1\n".repeat(50);
+    let (builder, report) = read::read_scn(scene.as_bytes(), "s.scn".as_ref(), &files).unwrap();
+    assert_eq!((builder.shapes(), files.0.get(), report.notes.len()), (150, 1, 1));
+}

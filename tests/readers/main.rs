@@ -1,0 +1,40 @@
+//! Every reader: what it makes of good files, what it says of odd ones, and that no input at all
+//! makes it panic.
+
+mod broken;
+mod files;
+mod obj;
+mod ply;
+mod scn;
+
+use burnish::scene::read::{self, Memory, ReadError};
+use burnish::scene::{Report, Scene, SceneBuilder};
+use glam::DVec3;
+
+type Read = Result<(SceneBuilder, Report), ReadError>;
+
+/// Reads this text, which refers to no other files.
+fn text(name: &str, text: &str) -> Read {
+    read::read(text.as_bytes(), name.as_ref(), &Memory(&[]))
+}
+
+/// The message of something that must not be read.
+fn message(result: Read) -> String {
+    result.expect_err("this must not be read").to_string()
+}
+
+fn warnings(report: &Report) -> Vec<String> {
+    report.warnings.iter().map(|w| w.to_string()).collect()
+}
+
+/// All triangles in world units.
+fn triangles(scene: &Scene) -> Vec<[DVec3; 3]> {
+    let geometry = scene.geometry();
+    let world = |p: [f32; 3]| scene.placement().to_world(DVec3::from_array(p.map(f64::from)));
+    (0..geometry.triangles.len()).map(|i| geometry.corners(i).map(|p| world(p.into()))).collect()
+}
+
+/// Equal up to the rounding of coordinates to single precision.
+fn close(a: DVec3, b: DVec3) -> bool {
+    (a - b).abs().max_element() <= 4.0 * f64::from(f32::EPSILON) * (1.0 + b.length())
+}

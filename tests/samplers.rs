@@ -1,0 +1,264 @@
+//! Every sampler against its own density.
+
+mod support;
+
+use burnish::brdf::{
+    Beckmann, Ggx, Lobes, Microfacet, Model, ModelVisitor, Phong, Roughness, Width,
+};
+use burnish::math::{Rgb, V3, warp};
+use std::f64::consts::{PI, TAU};
+use support::{Mean, Random, chi_square_sigmas, erfc, ks_uniform};
+
+const ALPHAS: [f64; 7] = [1e-4, 1e-3, 0.01, 0.1, 0.3, 0.6, 1.0];
+const COSINES: [f64; 7] = [1.0, 0.95, 0.5, 0.1, 1e-3, 1e-5, 1e-7];
+/// Below this probability a fixed-seed test counts as failed; some 300 are made.
+const SIGNIFICANCE: f64 = 1e-5;
+
+fn width(alpha: f64) -> Width {
+    Roughness::from_alpha(alpha).unwrap().into()
+}
+
+fn viewer(cos: f64, phi: f64) -> V3 {
+    let sin = (1.0 - cos * cos).sqrt();
+    V3::new((sin * phi.cos()) as f32, (sin * phi.sin()) as f32, cos as f32)
+}
+
+fn normals<M: Microfacet>(w: Width, wo: V3, seed: u64) -> Vec<[f64; 3]> {
+    let mut r = Random::new(seed);
+    (0..20_000)
+        .map(|_| {
+            let m = M::sample_wm(w, wo, r.pair());
+            [m.x as f64, m.y as f64, m.z as f64]
+        })
+        .collect()
+}
+
+fn assert_uniform(name: &str, xs: Vec<f64>) {
+    assert!(xs.iter().all(|x| (-1e-5..=1.0 + 1e-5).contains(x)), "{name}: outside [0, 1]");
+    let p = ks_uniform(xs);
+    assert!(p > SIGNIFICANCE, "{name}: p = {p:e}");
+}
+
+fn turn(y: f64, x: f64) -> f64 {
+    (y.atan2(x) / TAU).rem_euclid(1.0)
+}
+
+#[test]
+fn phong_normals_map_back_to_uniform_numbers() {
+    for alpha in ALPHAS {
+        let w = width(alpha);
+        let ms = normals::<Phong>(w, viewer(0.5, 0.3), 1);
+        // cos^(a+2), by way of the tangent, which single precision keeps.
+        let cos = |m: &[f64; 3]| {
+            let tan2 = (m[0] * m[0] + m[1] * m[1]) / (m[2] * m[2]);
+            (-(w.exponent as f64 + 2.0) * 0.5 * tan2.ln_1p()).exp()
+        };
+        assert_uniform(&format!("phong {alpha} cos"), ms.iter().map(cos).collect());
+        let phi = |m: &[f64; 3]| turn(m[1], m[0]);
+        assert_uniform(&format!("phong {alpha} phi"), ms.iter().map(phi).collect());
+    }
+}
+
+#[test]
+fn ggx_visible_normals_map_back_to_uniform_numbers() {
+    for alpha in ALPHAS {
+        for cos in COSINES {
+            let wo = viewer(cos, 0.7);
+            let a = width(alpha).alpha as f64;
+            let v = normalize([a * wo.x as f64, a * wo.y as f64, wo.z as f64]);
+            let (mut heights, mut turns) = (Vec::new(), Vec::new());
+            for m in normals::<Ggx>(width(alpha), wo, 2) {
+                let n = normalize([m[0] / a, m[1] / a, m[2]]);
+                let dot = n[0] * v[0] + n[1] * v[1] + n[2] * v[2];
+                let c = [0, 1, 2].map(|k| 2.0 * dot * n[k] - v[k]);
+                heights.push((2.0 * dot * n[2]) / (1.0 + v[2]));
+                turns.push(turn(c[1], c[0]));
+            }
+            assert_uniform(&format!("ggx {alpha} {cos} height"), heights);
+            assert_uniform(&format!("ggx {alpha} {cos} turn"), turns);
+        }
+    }
+}
+
+#[test]
+fn beckmann_visible_normals_map_back_to_uniform_numbers() {
+    for alpha in ALPHAS {
+        for cos in COSINES {
+            let wo = viewer(cos, -1.1);
+            let a = width(alpha).alpha as f64;
+            let v = [a * wo.x as f64, a * wo.y as f64, wo.z as f64];
+            let across = v[0].hypot(v[1]);
+            let (cp, sp) = if across > 0.0 { (v[0] / across, v[1] / across) } else { (1.0, 0.0) };
+            let cot = (v[2] / across).min(1e12);
+            let visible = |x: f64| erfc(-x) + (-x * x).exp() / cot / PI.sqrt();
+            let all = visible(cot.min(20.0));
+            let (mut xs, mut ys) = (Vec::new(), Vec::new());
+            for m in normals::<Beckmann>(width(alpha), wo, 3) {
+                let (sx, sy) = (-m[0] / m[2] / a, -m[1] / m[2] / a);
+                xs.push(visible((sx * cp + sy * sp).min(cot)) / all);
+                ys.push(erfc(-(sy * cp - sx * sp)) * 0.5);
+            }
+            assert_uniform(&format!("beckmann {alpha} {cos} x"), xs);
+            assert_uniform(&format!("beckmann {alpha} {cos} y"), ys);
+        }
+    }
+}
+
+fn normalize(v: [f64; 3]) -> [f64; 3] {
+    let n = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    v.map(|x| x / n)
+}
+
+/// Histogram of sampled directions against the density integrated over each cell.
+struct Directions {
+    lobes: Lobes,
+    wo: V3,
+}
+
+const RINGS: usize = 24;
+const SECTORS: usize = 32;
+
+impl ModelVisitor for Directions {
+    /// Chi-square in standard deviations, and the integral of the density.
+    type Output = (f64, f64);
+    fn visit<M: Microfacet>(self) -> (f64, f64) {
+        let n = 300_000;
+        let mut observed = vec![0.0; RINGS * SECTORS + 1];
+        let mut r = Random::new(4);
+        for _ in 0..n {
+            let s = self.lobes.sample::<M>(self.wo, r.unit(), r.pair());
+            let cell = if s.pdf > 0.0 {
+                let ring = (s.wi.z as f64 * RINGS as f64) as usize;
+                let sector = turn(s.wi.y as f64, s.wi.x as f64) * SECTORS as f64;
+                ring.min(RINGS - 1) * SECTORS + (sector as usize).min(SECTORS - 1)
+            } else {
+                RINGS * SECTORS
+            };
+            observed[cell] += 1.0;
+        }
+        let (fine, mut expected) = (16, vec![0.0; RINGS * SECTORS + 1]);
+        for (cell, sum) in expected[..RINGS * SECTORS].iter_mut().enumerate() {
+            for i in 0..fine * fine {
+                let z = (cell / SECTORS) as f64 + ((i / fine) as f64 + 0.5) / fine as f64;
+                let phi = (cell % SECTORS) as f64 + ((i % fine) as f64 + 0.5) / fine as f64;
+                let wi = viewer(z / RINGS as f64, phi / SECTORS as f64 * TAU);
+                *sum += self.lobes.eval::<M>(self.wo, wi).pdf as f64;
+            }
+            *sum *= TAU / (RINGS * SECTORS * fine * fine) as f64 * n as f64;
+        }
+        let total: f64 = expected.iter().sum::<f64>() / n as f64;
+        // What is missing went below the horizon.
+        expected[RINGS * SECTORS] = (1.0 - total).max(0.0) * n as f64;
+        (chi_square_sigmas(&observed, &expected), total)
+    }
+}
+
+#[test]
+fn directions_follow_the_density_of_the_mixture() {
+    for model in Model::ALL {
+        for alpha in [0.15, 0.3, 0.6, 1.0] {
+            for cos in [0.999, 0.7, 0.3] {
+                for (kd, ks) in [(0.5, 0.2), (0.0, 0.8), (0.6, 0.0)] {
+                    let lobes =
+                        Lobes { kd: Rgb::splat(kd), ks: Rgb::splat(ks), width: width(alpha) };
+                    let (sigmas, total) = model.visit(Directions { lobes, wo: viewer(cos, 0.4) });
+                    let case = format!("{model:?} {alpha} {cos} {kd} {ks}");
+                    assert!(sigmas < 4.5, "{case}: chi-square {sigmas} sigmas");
+                    assert!(total < 1.0 + 1e-3, "{case}: density integrates to {total}");
+                }
+            }
+        }
+    }
+}
+
+/// The value and density that come with a sample are those of its direction, and the mean weight
+/// is the albedo found by asking in all directions alike.
+struct Consistency {
+    lobes: Lobes,
+    wo: V3,
+}
+
+impl ModelVisitor for Consistency {
+    type Output = (f64, Mean, Mean);
+    fn visit<M: Microfacet>(self) -> Self::Output {
+        let (mut worst, mut sampled, mut uniform) = (0.0f64, Mean::default(), Mean::default());
+        let mut r = Random::new(5);
+        for _ in 0..40_000 {
+            let s = self.lobes.sample::<M>(self.wo, r.unit(), r.pair());
+            if s.pdf > 0.0 {
+                let e = self.lobes.eval::<M>(self.wo, s.wi);
+                worst = worst
+                    .max((s.pdf / e.pdf - 1.0).abs() as f64)
+                    .max((s.f.r / e.f.r - 1.0).abs() as f64);
+                sampled.add((s.f.r * s.wi.z / s.pdf) as f64);
+            } else {
+                sampled.add(0.0);
+            }
+            let wi = warp::cosine_hemisphere(r.pair());
+            uniform.add(self.lobes.eval::<M>(self.wo, wi).f.r as f64 * PI);
+        }
+        (worst, sampled, uniform)
+    }
+}
+
+#[test]
+fn samples_carry_the_value_and_density_of_their_direction() {
+    for model in Model::ALL {
+        for (alpha, bound) in [(0.02, 2e-2), (0.1, 1e-3), (0.4, 3e-4), (1.0, 3e-4)] {
+            for cos in [0.99, 0.5, 0.1] {
+                let lobes = Lobes { kd: Rgb::splat(0.4), ks: Rgb::splat(0.3), width: width(alpha) };
+                let (worst, sampled, uniform) =
+                    model.visit(Consistency { lobes, wo: viewer(cos, 2.0) });
+                let case = format!("{model:?} {alpha} {cos}");
+                assert!(worst < bound, "{case}: off by {worst}");
+                if alpha >= 0.4 {
+                    let se = sampled.standard_error().hypot(uniform.standard_error());
+                    let sigmas = (sampled.mean - uniform.mean).abs() / se;
+                    assert!(sigmas < 4.5, "{case}: albedo {} and {}", sampled.mean, uniform.mean);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn warps_follow_their_densities() {
+    let mut r = Random::new(6);
+    let n = 50_000;
+    let us: Vec<[f32; 2]> = (0..n).map(|_| r.pair()).collect();
+    let map = |f: &dyn Fn([f32; 2]) -> f64| us.iter().map(|&u| f(u)).collect::<Vec<f64>>();
+    assert_uniform("hemisphere z²", map(&|u| (warp::cosine_hemisphere(u).z as f64).powi(2)));
+    assert_uniform(
+        "hemisphere turn",
+        map(&|u| {
+            let d = warp::cosine_hemisphere(u);
+            turn(d.y as f64, d.x as f64)
+        }),
+    );
+    assert_uniform("disc r²", map(&|u| warp::disc(u).map(|x| (x as f64).powi(2)).iter().sum()));
+    for wide in [2.0f32, 1.0, 1e-3, 1e-7, 1e-12] {
+        let name = format!("cone {wide}");
+        assert_uniform(
+            &name,
+            map(&|u| {
+                let d = warp::cone(u, wide);
+                // 1 - cos from the sine, which narrow cones keep.
+                let sin2 = (d.x as f64).powi(2) + (d.y as f64).powi(2);
+                let h =
+                    if d.z > 0.5 { sin2 / (1.0 + (1.0 - sin2).sqrt()) } else { 1.0 - d.z as f64 };
+                h / wide as f64
+            }),
+        );
+        let pdf = warp::cone_pdf(wide) as f64;
+        assert!((pdf * TAU * wide as f64 - 1.0).abs() < 1e-6, "{name}: pdf {pdf}");
+    }
+    // A triangle's area below b1 is 1 - (1 - b1)², and given b1 the rest is even.
+    assert_uniform("triangle b1", map(&|u| 1.0 - (1.0 - warp::triangle(u)[0] as f64).powi(2)));
+    assert_uniform(
+        "triangle b2",
+        map(&|u| {
+            let [a, b] = warp::triangle(u).map(f64::from);
+            b / (1.0 - a).max(1e-12)
+        }),
+    );
+}
