@@ -1,6 +1,6 @@
 //! Reading and building a scene in the background, so that the window never waits.
 
-use burnish::scene::{Report, Scene, SceneBuilder};
+use burnish::scene::{Report, Scene, builtin, read};
 use egui::Context;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -46,7 +46,7 @@ impl Loading {
             .name("scene".to_owned())
             .spawn(move || {
                 // Nobody listens any more when another scene has been opened meanwhile.
-                let _ = send.send(read(&source));
+                let _ = send.send(build(&source));
                 drop(send);
                 ctx.request_repaint();
             })
@@ -67,10 +67,11 @@ impl Loading {
     }
 }
 
-fn read(source: &Source) -> Result<Loaded, String> {
-    let (builder, report): (SceneBuilder, Report) = match source {
-        Source::Builtin => super::stand_in::default_scene(),
-        Source::File(path) => burnish::scene::read::open(path).map_err(|e| e.to_string())?,
+fn build(source: &Source) -> Result<Loaded, String> {
+    let read = match source {
+        Source::Builtin => builtin::default_scene(),
+        Source::File(path) => read::open(path),
     };
+    let (builder, report) = read.map_err(|e| e.to_string())?;
     Ok(Loaded { scene: Arc::new(builder.build()), report })
 }

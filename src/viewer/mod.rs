@@ -22,7 +22,6 @@ mod render;
 mod report;
 mod save;
 mod smoke;
-mod stand_in;
 mod status;
 mod texture;
 mod theme;
