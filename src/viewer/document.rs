@@ -117,14 +117,18 @@ impl Document {
     /// Whether any of them differs from the scene file.
     pub(super) fn roughness_is_edited(&self) -> bool {
         let as_read = self.params.scene.materials();
-        (0..as_read.len())
-            .any(|i| self.concerns(i) && self.params.materials[i].roughness != as_read[i].roughness)
+        let pairs = as_read.iter().zip(self.params.materials.iter()).enumerate();
+        pairs.filter(|(i, _)| self.concerns(*i)).any(|(_, (was, is))| was.roughness != is.roughness)
     }
 
     /// Puts theirs back to the scene file's.
     pub(super) fn reset_roughness(&mut self) {
         let scene = self.params.scene.clone();
-        self.edit(|i, material| material.roughness = scene.materials()[i].roughness);
+        self.edit(|i, material| {
+            if let Some(as_read) = scene.materials().get(i) {
+                material.roughness = as_read.roughness;
+            }
+        });
     }
 
     /// Remembers these parameters as the state before the present one.
@@ -162,7 +166,9 @@ impl Document {
             (0..self.params.materials.len()).filter(|&i| self.concerns(i)).collect();
         let materials = std::sync::Arc::make_mut(&mut self.params.materials);
         for i in concerned {
-            change(i, &mut materials[i]);
+            if let Some(material) = materials.get_mut(i) {
+                change(i, material);
+            }
         }
     }
 }

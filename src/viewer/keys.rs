@@ -69,7 +69,7 @@ pub(super) const TABLE: &[Binding] = &[
         keys: &[plain(Key::Num3)],
         name: "GGX",
         does: "Model: GGX",
-        tip: "Walter et al. 2007: the same width alpha, but long tails, so a highlight with a glow.",
+        tip: "Walter et al. 2007: the same width alpha, but long tails: a highlight with glow.",
     },
     Binding {
         action: Action::Smoother,
@@ -104,7 +104,7 @@ pub(super) const TABLE: &[Binding] = &[
         keys: &[plain(Key::S), command(Key::S)],
         name: "Snapshot",
         does: "Snapshot as PNG and OpenEXR",
-        tip: "Writes what is shown as PNG, and its radiance as OpenEXR, into the working directory.",
+        tip: "Writes what is shown as PNG, its radiance as OpenEXR, into the working directory.",
     },
     Binding {
         action: Action::Open,
