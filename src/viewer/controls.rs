@@ -1,0 +1,160 @@
+//! The controls that matter most: model, roughness, passes.
+
+use super::document::{Document, Shown};
+use super::figures::digits;
+use super::keys::{self, Action};
+use super::theme;
+use super::widgets::{self, Weight};
+use burnish::brdf::{Model, Roughness};
+use burnish::progressive::Session;
+use egui::{Button, DragValue, RichText, Slider, Ui};
+
+pub(super) struct Controls;
+
+impl Controls {
+    /// Draws them; changes the document, and returns what a button asked for.
+    pub(super) fn ui(&mut self, ui: &mut Ui, document: &mut Document) -> Option<Action> {
+        let asked = model(ui, document);
+        ui.add_space(theme::GAP);
+        roughness(ui, document);
+        widgets::rule(ui);
+        passes(ui, document);
+        asked.or(run(ui, document))
+    }
+}
+
+fn model(ui: &mut Ui, document: &Document) -> Option<Action> {
+    let chosen = Model::ALL.iter().position(|&m| m == document.params.model).unwrap_or(0);
+    let entries = Model::ALL.map(|m| (m.title(), keys::tooltip(ui.ctx(), Action::Model(m)), true));
+    widgets::segmented(ui, Weight::Strong, chosen, &entries).map(|i| Action::Model(Model::ALL[i]))
+}
+
+fn roughness(ui: &mut Ui, document: &mut Document) {
+    let shown = document.roughness();
+    let edited = document.roughness_is_edited();
+    let mut reset = false;
+    let label = ui
+        .horizontal(|ui| {
+            let label = ui.label("Roughness").on_hover_text(
+                "alpha, the width of the distribution of microfacet slopes, and the Phong exponent \
+                 a_p are two names of one number:\nalpha = sqrt(2 / (a_p + 2))\nKeys: [ and ]",
+            );
+            if let Shown::Mixed(_) = shown {
+                ui.weak("differs by material").on_hover_text(
+                    "Shown is the geometric mean of the alphas. Moving the slider gives all \
+                     materials one roughness; the keys [ and ] scale each.",
+                );
+            }
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                let button = Button::new(RichText::new("as in file").small()).small().frame(false);
+                let tip = "Puts the roughness back to the scene file's.";
+                reset = edited && ui.add(button).on_hover_text(tip).clicked();
+            });
+            label
+        })
+        .inner;
+    let (Shown::Same(value) | Shown::Mixed(value)) = shown else {
+        ui.weak("No specular lobe here (Ks = 0): roughness has no effect.");
+        applies_to(ui, document);
+        return;
+    };
+    let mut wanted = None;
+    let [low, high] = Roughness::ALPHA;
+    let mut alpha = value.alpha();
+    ui.spacing_mut().slider_width = ui.available_width();
+    let slider = Slider::new(&mut alpha, low..=high).logarithmic(true).show_value(false);
+    if ui.add(slider).labelled_by(label.id).changed() {
+        wanted = Roughness::from_alpha(alpha).ok();
+    }
+    let tip = "Roughness alpha, no unit, 0.0001 (mirror-like) to 1 (dull). Drag or type.";
+    widgets::field(ui, "alpha", tip, |ui, label| {
+        let name = "a_p";
+        let width = (ui.available_width() - widgets::text_width(ui, name)) / 2.0 - theme::GAP;
+        let size = egui::vec2(width, ui.spacing().interact_size.y);
+        let mut alpha = value.alpha();
+        let field = number(&mut alpha).range(low..=high).speed(0.01 * value.alpha()).min_size(size);
+        if ui.add_sized(size, field).labelled_by(label).on_hover_text(tip).changed() {
+            wanted = Roughness::from_alpha(alpha).ok();
+        }
+        let tip = "Phong exponent a_p, no unit, 0 (dull) to 2e8 - 2 (mirror-like). Drag or type.";
+        let label = ui.label(name).on_hover_text(tip).id;
+        let [low, high] = Roughness::EXPONENT;
+        let mut exponent = value.exponent();
+        let speed = 0.01 * (value.exponent() + 2.0);
+        let field = number(&mut exponent).range(low..=high).speed(speed).min_size(size);
+        if ui.add_sized(size, field).labelled_by(label).on_hover_text(tip).changed() {
+            wanted = Roughness::from_exponent(exponent).ok();
+        }
+    });
+    if let Some(roughness) = wanted {
+        document.set_roughness(roughness);
+    }
+    if reset {
+        document.reset_roughness();
+    }
+    applies_to(ui, document);
+}
+
+/// A number that is typed or dragged, with four significant digits. A text that was not changed
+/// is the number itself, not its rounded form: to look is not to edit.
+fn number(value: &mut f64) -> DragValue<'_> {
+    let (exact, shown) = (*value, digits(*value, 4));
+    let parse = move |text: &str| match text.trim() {
+        text if text == shown => Some(exact),
+        text => text.parse().ok().filter(|x: &f64| !x.is_nan()),
+    };
+    DragValue::new(value)
+        .update_while_editing(false)
+        .max_decimals(12)
+        .custom_formatter(|x, _| digits(x, 4))
+        .custom_parser(parse)
+}
+
+/// Whether the roughness is that of all materials or of the picked one.
+fn applies_to(ui: &mut Ui, document: &mut Document) {
+    let picked = document.picked_material().map(|m| m.name.clone());
+    let (words, tip) = match &picked {
+        Some(name) => (name.as_str(), format!("Only \"{name}\", the material picked.")),
+        None => ("Picked one", "Click a surface in the picture to pick its material.".to_owned()),
+    };
+    let all = "Every material that has a specular lobe.".to_owned();
+    let entries = [("All", all, true), (words, tip, picked.is_some())];
+    let chosen = usize::from(document.only_picked);
+    let pressed = widgets::field(
+        ui,
+        "Applies to",
+        "Which materials the slider and the two fields change.",
+        |ui, _| widgets::segmented(ui, Weight::Quiet, chosen, &entries),
+    );
+    if let Some(pressed) = pressed {
+        document.only_picked = pressed == 1;
+    }
+}
+
+fn passes(ui: &mut Ui, document: &mut Document) {
+    let tip = "Tracing stops after this many passes; each adds one sample to every pixel. \
+               1 to 4294967296. A higher limit goes on where it stopped.";
+    widgets::field(ui, "Pass limit", tip, |ui, label| {
+        let mut limit = document.limit;
+        let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+        let field = DragValue::new(&mut limit)
+            .range(1..=Session::MAX_PASSES)
+            .speed((document.limit as f64 * 0.01).max(0.2))
+            .update_while_editing(false)
+            .min_size(size);
+        if ui.add_sized(size, field).labelled_by(label).on_hover_text(tip).changed() {
+            document.set_limit(limit);
+        }
+    });
+}
+
+fn run(ui: &mut Ui, document: &Document) -> Option<Action> {
+    let pause = if document.paused { "Resume" } else { keys::binding(Action::Pause).name };
+    let buttons = [
+        (pause, Action::Pause),
+        (keys::binding(Action::Restart).name, Action::Restart),
+        (keys::binding(Action::Save).name, Action::Save),
+    ];
+    let tips = buttons.map(|(words, action)| (words, keys::tooltip(ui.ctx(), action)));
+    widgets::button_row(ui, tips.into_iter()).map(|i| buttons[i].1)
+}

@@ -1,0 +1,179 @@
+//! What the window shows and what its controls change: the one truth that all panels share.
+
+use super::load::Loaded;
+use super::orbit::Subject;
+use burnish::brdf::Roughness;
+use burnish::picture::Tone;
+use burnish::progressive::{Params, Session};
+use burnish::scene::{Material, MaterialId, Report};
+
+/// A scene with everything that can be set about it. Panels change it; the app then tells the
+/// renderer.
+pub(super) struct Document {
+    /// What the pixels depend on.
+    pub(super) params: Params,
+    /// What the reader had to tell.
+    pub(super) report: Report,
+    /// Counts the scenes opened, so that panels know a new one.
+    pub(super) number: u64,
+    /// Stop at this many passes.
+    pub(super) limit: u64,
+    pub(super) paused: bool,
+    pub(super) tone: Tone,
+    /// The material last picked.
+    pub(super) picked: Option<MaterialId>,
+    /// Whether the roughness is that of the picked material or that of all.
+    pub(super) only_picked: bool,
+    undo: Vec<Params>,
+}
+
+/// The roughness that the slider stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Shown {
+    /// All the materials in question have this one.
+    Same(Roughness),
+    /// They differ; this is the geometric mean of their alphas.
+    Mixed(Roughness),
+    /// None of them has a specular lobe.
+    None,
+}
+
+impl Document {
+    const PASSES: u64 = 1024;
+    const MAX_UNDO: usize = 200;
+
+    /// A scene as it was read. Model, limit and tone stay those of the scene before.
+    pub(super) fn open(loaded: Loaded, before: Option<&Document>) -> Document {
+        let mut params = Params::new(loaded.scene);
+        if let Some(before) = before {
+            params.model = before.params.model;
+        }
+        Document {
+            params,
+            report: loaded.report,
+            number: before.map_or(0, |b| b.number + 1),
+            limit: before.map_or(Self::PASSES, |b| b.limit),
+            paused: false,
+            tone: before.map_or_else(Tone::default, |b| b.tone),
+            picked: None,
+            only_picked: false,
+            undo: Vec::new(),
+        }
+    }
+
+    /// What the camera moves about.
+    pub(super) fn subject(&self) -> Subject {
+        Subject::new(self.params.scene.bounds())
+    }
+
+    /// Width over height of the picture.
+    pub(super) fn aspect(&self) -> f64 {
+        f64::from(self.params.size[0]) / f64::from(self.params.size[1].max(1))
+    }
+
+    pub(super) fn set_limit(&mut self, passes: u64) {
+        self.limit = passes.clamp(1, Session::MAX_PASSES);
+    }
+
+    /// Picks a material, or none: then the roughness is that of all.
+    pub(super) fn pick(&mut self, material: Option<MaterialId>) {
+        self.only_picked = material.is_some();
+        self.picked = material.or(self.picked);
+    }
+
+    /// The picked material, where there is one.
+    pub(super) fn picked_material(&self) -> Option<&Material> {
+        self.params.materials.get(self.picked? as usize)
+    }
+
+    /// What the roughness slider shows.
+    pub(super) fn roughness(&self) -> Shown {
+        let alphas: Vec<f64> = self.concerned().map(|m| m.roughness.alpha()).collect();
+        let Some(first) = self.concerned().next() else { return Shown::None };
+        if self.concerned().all(|m| m.roughness == first.roughness) {
+            return Shown::Same(first.roughness);
+        }
+        let mean = alphas.iter().map(|a| a.ln()).sum::<f64>() / alphas.len() as f64;
+        let [low, high] = Roughness::ALPHA;
+        Roughness::from_alpha(mean.exp().clamp(low, high)).map_or(Shown::None, Shown::Mixed)
+    }
+
+    /// Gives all the materials in question this roughness.
+    pub(super) fn set_roughness(&mut self, roughness: Roughness) {
+        self.edit(|_, material| material.roughness = roughness);
+    }
+
+    /// Multiplies their alphas, each within its range: mixed ones keep their differences.
+    pub(super) fn scale_roughness(&mut self, factor: f64) {
+        let [low, high] = Roughness::ALPHA;
+        self.edit(|_, material| {
+            let alpha = (material.roughness.alpha() * factor).clamp(low, high);
+            if let Ok(roughness) = Roughness::from_alpha(alpha) {
+                material.roughness = roughness;
+            }
+        });
+    }
+
+    /// Whether any of them differs from the scene file.
+    pub(super) fn roughness_is_edited(&self) -> bool {
+        let as_read = self.params.scene.materials();
+        let pairs = as_read.iter().zip(self.params.materials.iter()).enumerate();
+        pairs.filter(|(i, _)| self.concerns(*i)).any(|(_, (was, is))| was.roughness != is.roughness)
+    }
+
+    /// Puts theirs back to the scene file's.
+    pub(super) fn reset_roughness(&mut self) {
+        let scene = self.params.scene.clone();
+        self.edit(|i, material| {
+            if let Some(as_read) = scene.materials().get(i) {
+                material.roughness = as_read.roughness;
+            }
+        });
+    }
+
+    /// Remembers these parameters as the state before the present one.
+    pub(super) fn remember(&mut self, before: Params) {
+        if self.undo.len() == Self::MAX_UNDO {
+            self.undo.remove(0);
+        }
+        self.undo.push(before);
+    }
+
+    /// Goes one change back. False when there is none.
+    pub(super) fn undo(&mut self) -> bool {
+        let before = self.undo.pop();
+        let any = before.is_some();
+        if let Some(before) = before {
+            self.params = before;
+        }
+        any
+    }
+
+    /// Whether the slider speaks of material `i`: it has a lobe, and is picked or all are meant.
+    fn concerns(&self, i: usize) -> bool {
+        let Some(material) = self.params.materials.get(i) else { return false };
+        let meant = !self.only_picked || self.picked == Some(i as MaterialId);
+        meant && has_lobe(material)
+    }
+
+    fn concerned(&self) -> impl Iterator<Item = &Material> {
+        let materials = self.params.materials.iter().enumerate();
+        materials.filter(|(i, _)| self.concerns(*i)).map(|(_, m)| m)
+    }
+
+    fn edit(&mut self, change: impl Fn(usize, &mut Material)) {
+        let concerned: Vec<usize> =
+            (0..self.params.materials.len()).filter(|&i| self.concerns(i)).collect();
+        let materials = std::sync::Arc::make_mut(&mut self.params.materials);
+        for i in concerned {
+            if let Some(material) = materials.get_mut(i) {
+                change(i, material);
+            }
+        }
+    }
+}
+
+/// Whether a roughness has any effect on this material.
+pub(super) fn has_lobe(material: &Material) -> bool {
+    material.ks.iter().any(|&c| c > 0.0)
+}

@@ -1,0 +1,56 @@
+//! Numbers as people read them.
+
+/// A number with this many significant digits and no trailing noise: 98.63, 0.1414, 1.25e6.
+pub(super) fn digits(value: f64, significant: usize) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let exponent = value.abs().log10().floor() as i32;
+    if !(-4..7).contains(&exponent) {
+        return format!("{value:.*e}", significant - 1);
+    }
+    let decimals = (significant as i32 - 1 - exponent).max(0) as usize;
+    format!("{value:.decimals$}")
+}
+
+/// A part of one: 23 %, 1.81 %.
+pub(super) fn percent(relative: f64) -> String {
+    let percent = relative * 100.0;
+    if percent >= 10.0 { format!("{percent:.0} %") } else { format!("{percent:.2} %") }
+}
+
+/// A rate: 812, 45.1 k, 5.13 M.
+pub(super) fn short(rate: f64) -> String {
+    match rate {
+        r if r >= 1e6 => format!("{:.2} M", r / 1e6),
+        r if r >= 1e3 => format!("{:.1} k", r / 1e3),
+        r => format!("{r:.0}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_are_significant_ones() {
+        for (value, text) in [
+            (0.0, "0"),
+            (0.141421, "0.1414"),
+            (98.0, "98.00"),
+            (1234.56, "1235"),
+            (123456.0, "123456"),
+            (1e-4, "0.0001000"),
+            (2e8 - 2.0, "2.000e8"),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(digits(value, 4), text);
+        }
+    }
+
+    #[test]
+    fn rates_and_errors_are_short() {
+        assert_eq!([812.4, 45_120.0, 5.126e6].map(short), ["812", "45.1 k", "5.13 M"]);
+        assert_eq!([0.0181, 0.234, 0.0].map(percent), ["1.81 %", "23 %", "0.00 %"]);
+    }
+}

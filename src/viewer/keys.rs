@@ -1,0 +1,262 @@
+//! The one table of what can be done by key: shortcuts, tooltips and the help are made from it.
+
+use burnish::brdf::Model;
+use egui::os::OperatingSystem;
+use egui::{Context, Key, KeyboardShortcut, ModifierNames, Modifiers};
+
+/// Something a key or a button does at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Action {
+    Model(Model),
+    Smoother,
+    Rougher,
+    Pause,
+    Restart,
+    Save,
+    Open,
+    Frame,
+    Home,
+    CopyCamera,
+    Brighter,
+    Darker,
+    Zoom,
+    FullScreen,
+    Undo,
+    Help,
+}
+
+/// One line of the table.
+pub(super) struct Binding {
+    pub(super) action: Action,
+    /// Any of these does it; the first is the one that tooltips name.
+    pub(super) keys: &'static [KeyboardShortcut],
+    /// The word on its button.
+    pub(super) name: &'static str,
+    /// A few words for the help.
+    pub(super) does: &'static str,
+    /// What it does, in a sentence.
+    pub(super) tip: &'static str,
+}
+
+const fn plain(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::NONE, key)
+}
+const fn shift(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::SHIFT, key)
+}
+const fn command(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::COMMAND, key)
+}
+
+/// In the order of the help.
+pub(super) const TABLE: &[Binding] = &[
+    Binding {
+        action: Action::Model(Model::Phong),
+        keys: &[plain(Key::Num1)],
+        name: "Phong",
+        does: "Model: Phong",
+        tip: "Phong's cosine-power distribution, exponent a_p, with Beckmann's rational shadowing.",
+    },
+    Binding {
+        action: Action::Model(Model::Beckmann),
+        keys: &[plain(Key::Num2)],
+        name: "Beckmann",
+        does: "Model: Beckmann",
+        tip: "Gaussian slopes of width alpha: short tails, a compact highlight.",
+    },
+    Binding {
+        action: Action::Model(Model::Ggx),
+        keys: &[plain(Key::Num3)],
+        name: "GGX",
+        does: "Model: GGX",
+        tip: "Walter et al. 2007: the same width alpha, but long tails: a highlight with glow.",
+    },
+    Binding {
+        action: Action::Smoother,
+        keys: &[plain(Key::OpenBracket)],
+        name: "Smoother",
+        does: "Smoother",
+        tip: "Divides the roughness alpha by 2^(1/4); four presses halve it.",
+    },
+    Binding {
+        action: Action::Rougher,
+        keys: &[plain(Key::CloseBracket)],
+        name: "Rougher",
+        does: "Rougher",
+        tip: "Multiplies the roughness alpha by 2^(1/4); four presses double it.",
+    },
+    Binding {
+        action: Action::Pause,
+        keys: &[plain(Key::Space)],
+        name: "Pause",
+        does: "Pause or resume",
+        tip: "Stops tracing; nothing is lost. Again to go on.",
+    },
+    Binding {
+        action: Action::Restart,
+        keys: &[plain(Key::R)],
+        name: "Restart",
+        does: "Restart from the first pass",
+        tip: "Throws the passes away and starts again from the first.",
+    },
+    Binding {
+        action: Action::Save,
+        keys: &[plain(Key::S), command(Key::S)],
+        name: "Snapshot",
+        does: "Snapshot as PNG and OpenEXR",
+        tip: "Writes what is shown as PNG, its radiance as OpenEXR, into the working directory.",
+    },
+    Binding {
+        action: Action::Open,
+        keys: &[command(Key::O)],
+        name: "Open",
+        does: "Open a scene",
+        tip: "Opens a scene: .scn, .obj or .ply. Dropping a file on the window does the same.",
+    },
+    Binding {
+        action: Action::Frame,
+        keys: &[plain(Key::F)],
+        name: "Frame",
+        does: "Frame the whole scene",
+        tip: "Moves the camera back or forth until the whole scene is seen, in the same direction.",
+    },
+    Binding {
+        action: Action::Home,
+        keys: &[plain(Key::Home)],
+        name: "Home",
+        does: "Camera as in the scene file",
+        tip: "Puts the camera back where the scene file has it.",
+    },
+    Binding {
+        action: Action::CopyCamera,
+        keys: &[plain(Key::V)],
+        name: "Copy",
+        does: "Copy the camera line",
+        tip: "Copies the camera as a line for a .scn file.",
+    },
+    Binding {
+        action: Action::Darker,
+        keys: &[shift(Key::E)],
+        name: "Darker",
+        does: "Exposure down",
+        tip: "Exposure 1/2 stop down. Changes what is shown, not what is traced.",
+    },
+    Binding {
+        action: Action::Brighter,
+        keys: &[plain(Key::E)],
+        name: "Brighter",
+        does: "Exposure up",
+        tip: "Exposure 1/2 stop up. Changes what is shown, not what is traced.",
+    },
+    Binding {
+        action: Action::Zoom,
+        keys: &[plain(Key::Z)],
+        name: "Fit or 1:1",
+        does: "Fit the picture, or 1:1",
+        tip: "Fits the picture to the window, or shows one pixel as one pixel of the screen.",
+    },
+    Binding {
+        action: Action::FullScreen,
+        keys: &[plain(Key::F11)],
+        name: "Full screen",
+        does: "Full screen",
+        tip: "Fills the screen with the window, or goes back.",
+    },
+    Binding {
+        action: Action::Undo,
+        keys: &[command(Key::Z)],
+        name: "Undo",
+        does: "Undo",
+        tip: "Takes back the last change of model, roughness or camera.",
+    },
+    Binding {
+        action: Action::Help,
+        keys: &[plain(Key::Questionmark), plain(Key::F1)],
+        name: "Help",
+        does: "This help",
+        tip: "Shows or hides the list of keys.",
+    },
+];
+
+/// What the mouse does over the picture, for the help.
+pub(super) const MOUSE: &[(&str, &str)] = &[
+    ("Left drag", "Orbit the camera"),
+    ("Middle or Shift drag", "Pan the camera"),
+    ("Wheel", "Dolly: nearer or farther"),
+    ("Click", "Pick the material, or all"),
+    ("Ctrl-wheel", "Zoom the picture"),
+    ("Right drag", "Move the zoomed picture"),
+];
+
+/// What the arrow keys do once the picture has the focus (Tab), for the help.
+pub(super) const PICTURE_KEYS: &[(&str, &str)] = &[
+    ("Arrows", "Orbit the camera"),
+    ("Shift-arrows", "Pan the camera"),
+    ("Page up, page down", "Dolly: nearer or farther"),
+];
+
+/// The line of an action. Every action has one; a test keeps it so.
+pub(super) fn binding(action: Action) -> &'static Binding {
+    TABLE.iter().find(|b| b.action == action).unwrap_or(&TABLE[0])
+}
+
+/// All keys of a binding, as this system writes them: "S, Ctrl+S".
+pub(super) fn keys_text(ctx: &Context, binding: &Binding) -> String {
+    // Modifiers by name, but "[" and not "OpenBracket".
+    let names = ModifierNames { is_short: true, ..ModifierNames::NAMES };
+    let mac = matches!(ctx.os(), OperatingSystem::Mac | OperatingSystem::IOS);
+    let keys: Vec<String> = binding.keys.iter().map(|k| k.format(&names, mac)).collect();
+    keys.join(", ")
+}
+
+/// The sentence and the key.
+pub(super) fn tooltip(ctx: &Context, action: Action) -> String {
+    let binding = binding(action);
+    format!("{}\nKey: {}", binding.tip, keys_text(ctx, binding))
+}
+
+/// Takes the actions asked for by key out of the input. None while text is being typed, and no
+/// Space while it would press the focused widget.
+pub(super) fn pressed(ctx: &Context, picture_has_focus: bool) -> Vec<Action> {
+    let mut actions = Vec::new();
+    let typing = ctx.text_edit_focused();
+    let focused = ctx.memory(|m| m.focused().is_some()) && !picture_has_focus;
+    let mut bindings: Vec<(&KeyboardShortcut, Action)> =
+        TABLE.iter().flat_map(|b| b.keys.iter().map(|k| (k, b.action))).collect();
+    // egui ignores further modifiers, so the longer combination has to be asked for first.
+    bindings.sort_by_key(|(k, _)| !(k.modifiers.shift || k.modifiers.command));
+    ctx.input_mut(|input| {
+        for (shortcut, action) in bindings {
+            let alone = !shortcut.modifiers.command && shortcut.logical_key != Key::F11;
+            if (typing && alone) || (focused && shortcut.logical_key == Key::Space) {
+                continue;
+            }
+            if input.consume_shortcut(shortcut) {
+                actions.push(action);
+            }
+        }
+    });
+    actions
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_key_does_two_things() {
+        let all: Vec<KeyboardShortcut> = TABLE.iter().flat_map(|b| b.keys).copied().collect();
+        for (i, key) in all.iter().enumerate() {
+            assert!(!all[..i].contains(key), "{key:?} is bound twice");
+        }
+    }
+
+    #[test]
+    fn every_model_has_its_digit_in_the_order_of_the_buttons() {
+        for (model, digit) in Model::ALL.into_iter().zip([Key::Num1, Key::Num2, Key::Num3]) {
+            let binding = binding(Action::Model(model));
+            assert_eq!((binding.action, binding.name), (Action::Model(model), model.title()));
+            assert_eq!(binding.keys, [plain(digit)]);
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! What the scene's reader had to tell: warnings with their lines, and facts.
+
+use super::document::Document;
+use super::{theme, widgets};
+use burnish::scene::Warning;
+use egui::{Label, RichText, Ui};
+
+pub(super) struct ReportPanel;
+
+impl ReportPanel {
+    pub(super) fn ui(&mut self, ui: &mut Ui, document: &Document) {
+        let warnings = &document.report.warnings;
+        let badge = (!warnings.is_empty()).then(|| {
+            let plural = if warnings.len() == 1 { "" } else { "s" };
+            widgets::Badge { text: format!("{} warning{plural}", warnings.len()), warns: true }
+        });
+        // The number keeps each scene's section apart: a new scene's warnings are seen once.
+        let id = ("scene", document.number);
+        widgets::section(ui, id, "Scene", badge, !warnings.is_empty(), |ui| {
+            ui.spacing_mut().item_spacing.y = 4.0;
+            for warning in warnings {
+                one(ui, warning);
+            }
+            for note in &document.report.notes {
+                ui.add(Label::new(RichText::new(note).weak()).wrap());
+            }
+            let counts = document.params.scene.counts();
+            let shapes = [
+                (counts.triangles, "triangle"),
+                (counts.spheres, "sphere"),
+                (counts.cylinders, "cylinder"),
+            ];
+            let shapes: Vec<String> = shapes
+                .iter()
+                .filter(|(n, _)| *n > 0)
+                .map(|(n, what)| format!("{n} {what}{}", if *n == 1 { "" } else { "s" }))
+                .collect();
+            ui.weak(shapes.join(", "));
+        });
+    }
+}
+
+fn one(ui: &mut Ui, warning: &Warning) {
+    let place = &warning.place;
+    let file = place.file.file_name().map_or_else(
+        || place.file.display().to_string(),
+        |name| name.to_string_lossy().into_owned(),
+    );
+    let line = place.line.map(|l| format!(":{l}")).unwrap_or_default();
+    let place = RichText::new(format!("{file}{line}")).monospace();
+    let place = place.color(theme::accent_of(ui.visuals()));
+    ui.add(Label::new(place).selectable(true)).on_hover_text(warning.place.to_string());
+    ui.add(Label::new(warning.text.as_str()).wrap().selectable(true));
+    ui.add_space(4.0);
+}

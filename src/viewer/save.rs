@@ -1,0 +1,110 @@
+//! Writing what is shown to files, in the background.
+
+use burnish::picture::{Tone, write};
+use burnish::progressive::Snapshot;
+use egui::Context;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+
+/// A snapshot being written.
+pub(super) struct Saving {
+    result: Receiver<Result<String, String>>,
+}
+
+/// What to write and where.
+pub(super) struct Job {
+    pub(super) snapshot: Snapshot,
+    pub(super) tone: Tone,
+    pub(super) folder: PathBuf,
+    /// The name before the number, such as "table_ggx".
+    pub(super) stem: String,
+}
+
+impl Saving {
+    /// Starts; repaints once the files are there.
+    pub(super) fn start(ctx: &Context, job: Job) -> Result<Saving, String> {
+        let (send, result) = channel();
+        let ctx = ctx.clone();
+        std::thread::Builder::new()
+            .name("snapshot".to_owned())
+            .spawn(move || {
+                // Nobody listens when the window has been closed; the files are written anyway.
+                let _ = send.send(job.run());
+                drop(send);
+                ctx.request_repaint();
+            })
+            .map_err(|e| format!("no snapshot: could not start a thread to write it: {e}"))?;
+        Ok(Saving { result })
+    }
+
+    /// Where it went, or why not; `None` while it is being written.
+    pub(super) fn poll(&self) -> Option<Result<String, String>> {
+        match self.result.try_recv() {
+            Ok(result) => Some(result),
+            Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) => {
+                Some(Err("no snapshot: writing it ended in a fault of burnish".to_owned()))
+            }
+        }
+    }
+}
+
+impl Job {
+    fn run(&self) -> Result<String, String> {
+        let [png, exr] = free_names(&self.folder, &self.stem)
+            .ok_or_else(|| format!("no snapshot: {} is full of them", self.folder.display()))?;
+        let picture = self.snapshot.mean();
+        for path in [&png, &exr] {
+            write(path, &picture, self.tone).map_err(|e| format!("no snapshot: {e}"))?;
+        }
+        let plural = if self.snapshot.passes == 1 { "pass" } else { "passes" };
+        Ok(format!("Wrote {} and .exr ({} {plural})", png.display(), self.snapshot.passes))
+    }
+}
+
+/// The first number of which there is neither a PNG nor an EXR.
+fn free_names(folder: &Path, stem: &str) -> Option<[PathBuf; 2]> {
+    (1..100_000)
+        .map(|n| ["png", "exr"].map(|kind| folder.join(format!("{stem}_{n:04}.{kind}"))))
+        .find(|names| names.iter().all(|name| !name.exists()))
+}
+
+/// A scene's name as the beginning of a file's: no folder, no extension, nothing unusual.
+pub(super) fn stem(scene: &str, model: &str) -> String {
+    let name = Path::new(scene).file_stem().map_or(scene.into(), |s| s.to_string_lossy());
+    let plain: String = name
+        .chars()
+        .map(|c| if c.is_alphanumeric() || c == '-' || c == '_' { c } else { '-' })
+        .take(80)
+        .collect();
+    let plain = plain.trim_matches('-');
+    format!("{}_{model}", if plain.is_empty() { "scene" } else { plain })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stem_is_a_plain_file_name() {
+        for (scene, expected) in [
+            ("table.scn", "table_ggx"),
+            ("/some/where/my scene.obj", "my-scene_ggx"),
+            ("../..", "scene_ggx"),
+            ("", "scene_ggx"),
+            ("three balls", "three-balls_ggx"),
+        ] {
+            assert_eq!(stem(scene, "ggx"), expected, "{scene:?}");
+        }
+    }
+
+    #[test]
+    fn a_number_is_free_when_neither_file_is_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let name = |n: u32, kind: &str| folder.path().join(format!("a_ggx_{n:04}.{kind}"));
+        std::fs::write(name(1, "png"), "").unwrap();
+        std::fs::write(name(2, "exr"), "").unwrap();
+        let free = free_names(folder.path(), "a_ggx").unwrap();
+        assert_eq!(free, [name(3, "png"), name(3, "exr")]);
+    }
+}

@@ -1,0 +1,224 @@
+//! The one line of figures below the picture.
+
+use super::canvas::Hover;
+use super::document::Document;
+use super::figures::{digits, percent, short};
+use super::theme;
+use burnish::progressive::{Snapshot, State};
+use egui::{Align, Color32, Label, Layout, Rect, RichText, Ui, UiBuilder};
+use std::time::Duration;
+
+pub(super) struct Status;
+
+/// What the line speaks of, as far as there is any.
+pub(super) struct Facts<'a> {
+    pub(super) document: Option<&'a Document>,
+    pub(super) snapshot: Option<&'a Snapshot>,
+    pub(super) latency: Option<Duration>,
+    pub(super) hover: Option<Hover>,
+    /// The scene being read, by name.
+    pub(super) loading: Option<&'a str>,
+}
+
+impl Status {
+    /// The scene at the right, the progress at the left, the pixel between them. What there is no
+    /// room for is left out, the least important first.
+    pub(super) fn ui(&mut self, ui: &mut Ui, facts: &Facts) {
+        let row = ui.max_rect();
+        let mut right = row.right();
+        if let Some(document) = facts.document {
+            right = group(ui, row, Layout::right_to_left(Align::Center), |ui| {
+                scene(ui, document);
+                warnings(ui, document);
+            })
+            .left();
+        }
+        let rest = Rect::from_min_max(row.min, egui::pos2(right - theme::GROUP, row.bottom()));
+        let left = group(ui, rest, Layout::left_to_right(Align::Center), |ui| {
+            if let Some(name) = facts.loading {
+                ui.add(Label::new(format!("Reading {name} ...")).truncate());
+            }
+            if let Some(document) = facts.document {
+                progress(ui, document, facts);
+            }
+        })
+        .right();
+        if let Some(hover) = facts.hover {
+            let rest = rest.with_min_x(left + theme::GROUP);
+            group(ui, rest, Layout::right_to_left(Align::Center), |ui| pixel(ui, hover));
+        }
+    }
+}
+
+/// Draws into a part of the line; returns the part used.
+fn group(ui: &mut Ui, space: Rect, layout: Layout, body: impl FnOnce(&mut Ui)) -> Rect {
+    let mut ui = ui.new_child(UiBuilder::new().max_rect(space).layout(layout));
+    ui.spacing_mut().item_spacing.x = theme::GROUP;
+    body(&mut ui);
+    ui.min_rect()
+}
+
+fn progress(ui: &mut Ui, document: &Document, facts: &Facts) {
+    let passes = facts.snapshot.map_or(0, |s| s.passes);
+    // As wide as it will get, so that what follows stays in place.
+    let width = 2 * document.limit.to_string().len() + " /  passes".len();
+    figure(
+        ui,
+        format!("{:<width$}", format!("{passes} / {} passes", document.limit)),
+        "Whole passes traced, of the limit: every pixel has at least this many samples.",
+    );
+    let Some(snapshot) = facts.snapshot else { return };
+    nonfinite(ui, snapshot);
+    let state = match &snapshot.state {
+        State::Done => "done",
+        State::Failed(_) => "failed",
+        State::Paused => "paused",
+        State::Running if document.paused => "paused",
+        State::Running => "",
+    };
+    if !state.is_empty() {
+        ui.label(RichText::new(state).strong());
+    }
+    let error = snapshot.error.map_or("-".to_owned(), |e| percent(e.relative));
+    let seconds = snapshot.seconds;
+    let rate = if seconds > 0.0 { snapshot.counts.paths as f64 / seconds } else { 0.0 };
+    let rate = format!("{} paths/s", short(rate));
+    let latency = facts.latency.map_or("-".to_owned(), |l| format!("{:.0}", l.as_secs_f64() * 1e3));
+    let figures = [
+        (
+            format!("rel. error {error:<6}"),
+            "Square root of the mean over pixels and channels of variance / (mean\u{b2} + 0.01), \
+             estimated from independent replicates. \"-\" until they allow an estimate.",
+        ),
+        (format!("{rate:<15}"), "Camera paths a second since the first pass."),
+        (format!("{latency} ms"), "From the last change to its first pixels."),
+    ];
+    for (text, tip) in figures {
+        if !figure(ui, text, tip) {
+            break;
+        }
+    }
+}
+
+fn nonfinite(ui: &mut Ui, snapshot: &Snapshot) {
+    let count = snapshot.counts.nonfinite;
+    if count == 0 {
+        return;
+    }
+    let plural = if count == 1 { "" } else { "s" };
+    let text = RichText::new(format!("{count} sample{plural} not finite"));
+    ui.add(Label::new(text.color(ui.visuals().error_fg_color))).on_hover_text(
+        "Samples that were NaN or infinite. They are left out of the sums, so their pixels are \
+         wrong. This is a fault of burnish: please report it with the scene.",
+    );
+}
+
+fn scene(ui: &mut Ui, document: &Document) {
+    let [w, h] = document.params.size;
+    figure(ui, format!("{w} x {h}"), "Width and height of the picture in pixels.");
+    let name = document.params.scene.name();
+    // A long name gives way to the progress.
+    ui.scope(|ui| {
+        ui.set_max_width(ui.available_width().min(240.0));
+        ui.add(Label::new(name).truncate()).on_hover_text(name);
+    });
+}
+
+fn warnings(ui: &mut Ui, document: &Document) {
+    let warnings = &document.report.warnings;
+    let Some(first) = warnings.first() else { return };
+    let plural = if warnings.len() == 1 { "" } else { "s" };
+    let text = RichText::new(format!("{} warning{plural}", warnings.len()));
+    let colour = ui.visuals().warn_fg_color;
+    let tip = format!("{first}\nAll of them are under \"Scene\" in the side panel.");
+    ui.add(Label::new(text.color(colour))).on_hover_text(tip);
+}
+
+fn pixel(ui: &mut Ui, hover: Hover) {
+    let [x, y] = hover.pixel;
+    let triple = |c: [f32; 3]| c.map(|v| format!("{:>7}", digits(f64::from(v), 3))).join(" ");
+    let mut tip = "Column and row of the pixel from the top left, and its mean radiance: red, \
+                   green, blue, linear Rec. 709."
+        .to_owned();
+    if let Some(error) = hover.standard_error {
+        tip += &format!("\nStandard error: {}", triple(error));
+    }
+    figure(ui, format!("({x:>4}, {y:>4}) {}", triple(hover.mean)), &tip);
+}
+
+/// A text with a tooltip, if there is room for all of it; whether there was.
+fn figure(ui: &mut Ui, text: String, tip: &str) -> bool {
+    let font = egui::TextStyle::Monospace.resolve(ui.style());
+    let galley = ui.painter().layout_no_wrap(text, font, Color32::PLACEHOLDER);
+    let fits = galley.size().x <= ui.available_width();
+    if fits {
+        ui.add(Label::new(galley)).on_hover_text(tip);
+    }
+    fits
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use burnish::progressive::{Counts, ErrorEstimate, TileGrid};
+    use burnish::scene::{Report, SceneBuilder};
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+    use std::sync::Arc;
+
+    /// The words of the line for a snapshot.
+    fn words(width: f32, change: impl FnOnce(&mut Snapshot)) -> Vec<String> {
+        let scene = Arc::new(SceneBuilder::new("empty.scn").build());
+        let loaded = crate::viewer::load::Loaded { scene, report: Report::default() };
+        let document = Document::open(loaded, None);
+        let mut snapshot = Snapshot {
+            epoch: 1,
+            grid: TileGrid { size: [640, 480] },
+            tiles: Vec::new(),
+            dirty: Vec::new(),
+            passes: 12,
+            counts: Counts { paths: 3_000_000, ..Counts::default() },
+            error: None,
+            seconds: 2.0,
+            state: State::Running,
+        };
+        change(&mut snapshot);
+        let line = |ui: &mut Ui| {
+            let (document, snapshot) = (Some(&document), Some(&snapshot));
+            let facts = Facts { document, snapshot, latency: None, hover: None, loading: None };
+            Status.ui(ui, &facts);
+        };
+        let harness = Harness::builder().with_size([width, 28.0]).build_ui(line);
+        let labels = harness.get_all_by_role(egui::accesskit::Role::Label);
+        labels.filter_map(|node| node.value()).map(|text| text.trim_end().to_owned()).collect()
+    }
+
+    #[test]
+    fn what_is_not_known_is_not_told() {
+        let words = words(1200.0, |_| {});
+        for expected in ["12 / 1024 passes", "rel. error -", "1.50 M paths/s", "- ms", "640 x 480"]
+        {
+            assert!(words.iter().any(|w| w == expected), "{expected}: {words:?}");
+        }
+    }
+
+    #[test]
+    fn states_errors_and_faults_are_told() {
+        let words = words(1200.0, |s| {
+            s.state = State::Done;
+            s.error = Some(ErrorEstimate { rel_mse: 1e-4, relative: 1e-2 });
+            s.counts.nonfinite = 3;
+        });
+        for expected in ["done", "rel. error 1.00 %", "3 samples not finite"] {
+            assert!(words.iter().any(|w| w == expected), "{expected}: {words:?}");
+        }
+    }
+
+    #[test]
+    fn what_has_no_room_is_left_out_from_the_end() {
+        let words = words(460.0, |_| {});
+        assert!(words.iter().any(|w| w == "12 / 1024 passes"), "{words:?}");
+        assert!(words.iter().any(|w| w == "empty.scn"), "{words:?}");
+        assert!(!words.iter().any(|w| w.ends_with("paths/s")), "{words:?}");
+    }
+}
