@@ -125,7 +125,7 @@ fn random_lobes(r: &mut Random, m: Model) -> Lobes {
 /// Directions of which many graze.
 fn upper(r: &mut Random) -> V3 {
     let mut d = r.direction();
-    if r.bits() % 4 == 0 {
+    if r.bits().is_multiple_of(4) {
         d[2] *= 10f64.powf(r.within(-7.0, 0.0));
     }
     let n = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();

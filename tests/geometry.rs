@@ -72,7 +72,7 @@ fn closed_meshes_leak_nothing() {
                 leaks += scene.bvh().closest(g, &ray, f32::INFINITY, &mut stack).is_none() as u32;
                 leaks += !scene.bvh().occluded(g, &ray, f32::INFINITY, &mut stack) as u32;
             };
-            for k in 0..12 {
+            for k in 0..36 {
                 let o = if k == 0 {
                     V3::default()
                 } else {
@@ -262,7 +262,8 @@ fn leaving_a_convex_shape_never_meets_it_again() {
                     // Half of the directions graze.
                     let mut d = v3(DVec3::from_array(r.direction()));
                     let up = d.dot(ng);
-                    let graze = if r.bits() % 2 == 0 { 10f32.powf(-4.0 * r.unit()) } else { 1.0 };
+                    let graze =
+                        if r.bits().is_multiple_of(2) { 10f32.powf(-4.0 * r.unit()) } else { 1.0 };
                     d = d + ng * (up.abs() * graze - up);
                     // What rounding has turned inwards does not leave.
                     if ng.dot(d) <= 0.0 {

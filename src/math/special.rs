@@ -4,6 +4,9 @@
 //! polynomials are least-maximum-error fits made for this file; each doc states the largest error
 //! seen against f64 over a dense sweep, which the tests repeat.
 
+// Coefficients are written as they were fitted; that one is near a constant is no accident.
+#![allow(clippy::excessive_precision, clippy::approx_constant)]
+
 use super::lanes::{Bits, Lane};
 
 /// `1 / pi`

@@ -1,5 +1,6 @@
 //! The pinhole camera of the `.scn` format.
 
+use super::MAX_COORDINATE;
 use glam::{DMat3, DQuat, DVec3};
 use thiserror::Error;
 
@@ -37,7 +38,7 @@ impl Camera {
         if !(1e-6..=1e4).contains(&ry) {
             return Err(CameraError::FieldOfView(ry));
         }
-        if !(eye.abs().max_element() <= 1e18) {
+        if !eye.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE) {
             return Err(CameraError::Eye(eye.x, eye.y, eye.z));
         }
         Ok(Camera { eye, ry, orientation: orientation.normalize() })

@@ -140,7 +140,12 @@ impl Lights {
         choice: f32,
         u: [f32; 2],
     ) -> Option<LightSample> {
-        let index = self.cumulative.partition_point(|&c| c <= choice);
+        // A handful of lights is counted through without a branch.
+        let index = if self.cumulative.len() <= 16 {
+            self.cumulative.iter().map(|&c| (c <= choice) as usize).sum()
+        } else {
+            self.cumulative.partition_point(|&c| c <= choice)
+        };
         let probability = self.probability(index.min(self.cumulative.len() - 1));
         if index >= self.cumulative.len() || probability <= 0.0 {
             return None;
@@ -265,33 +270,33 @@ impl Emitter {
 #[inline(always)]
 fn sample_sphere(sphere: Sphere, p: V3, u: [f32; 2]) -> (V3, f32, Target) {
     match cone(sphere, p) {
-        Some(one_minus_cos) => {
-            let frame = Frame::around((sphere.centre - p).normalize());
-            let wi = frame.to_world(warp::cone(u, one_minus_cos));
+        Some((axis, one_minus_cos)) => {
+            let wi = Frame::around(axis).to_world(warp::cone(u, one_minus_cos));
             (wi, warp::cone_pdf(one_minus_cos), Target::SphereWithin(sphere))
         }
         None => (warp::sphere(u), warp::cone_pdf(2.0), Target::Sphere(sphere)),
     }
 }
 
-/// `1 - cos` of the cone that a sphere fills as seen from `p` outside it; `None` inside.
+/// Axis and `1 - cos` of the cone that a sphere fills as seen from `p` outside it; `None` inside.
 #[inline(always)]
-fn cone(sphere: Sphere, p: V3) -> Option<f32> {
-    let distance2 = (sphere.centre - p).length2();
-    let distance = distance2.sqrt();
+fn cone(sphere: Sphere, p: V3) -> Option<(V3, f32)> {
+    let towards = sphere.centre - p;
+    let distance = towards.length();
     if distance <= sphere.radius {
         return None;
     }
+    let inverse = 1.0 / distance;
     // cos² of the half angle, without the loss of 1 - sin² next to the surface. A small or distant
     // sphere's rounds to 1, or beyond.
-    let cos2 = (distance - sphere.radius) * (distance + sphere.radius) / distance2;
-    let sin2 = (sphere.radius * sphere.radius / distance2).min(1.0);
-    Some(sin2 / (1.0 + cos2.min(1.0).sqrt()))
+    let sin = sphere.radius * inverse;
+    let cos2 = (distance - sphere.radius) * inverse * (1.0 + sin);
+    Some((towards * inverse, (sin * sin).min(1.0) / (1.0 + cos2.min(1.0).sqrt())))
 }
 
 #[inline(always)]
 fn sphere_pdf(sphere: Sphere, p: V3) -> f32 {
-    warp::cone_pdf(cone(sphere, p).unwrap_or(2.0))
+    warp::cone_pdf(cone(sphere, p).map_or(2.0, |(_, one_minus_cos)| one_minus_cos))
 }
 
 fn sample_cylinder(geometry: &Geometry, index: usize, choice: f32, u: [f32; 2]) -> SurfacePoint {
