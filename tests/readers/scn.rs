@@ -281,3 +281,13 @@ fn a_million_odd_lines_are_not_a_million_warnings() {
     assert_eq!(report.warnings.len(), 1001);
     assert_eq!(report.warnings[1000].to_string(), "s.scn: 99000 further warnings are not listed");
 }
+
+#[test]
+fn a_material_is_called_by_the_comment_right_above_it() {
+    let (builder, _) =
+        scn("# The lamp\nlight 1 1 1\nsphere 0 0 5 1\n# Brass\n\nbrdf 0 0 0 0.9 0.7 0.4 300\n\
+         sphere 0 0 0 1\n#  Lacquer, dark \nbrdf 0.1 0.1 0.1 0 0 0 10\nsphere 3 0 0 1\n")
+        .unwrap();
+    let names: Vec<&str> = builder.materials().iter().map(|m| m.name.as_str()).collect();
+    assert_eq!(names, ["The lamp", "brdf, line 6", "Lacquer, dark"]);
+}

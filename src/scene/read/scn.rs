@@ -34,6 +34,7 @@ pub fn read_scn(
         current: Current::default_material()
             .map_err(|e| ReadError::whole_file(name, e.to_string()))?,
         models: HashMap::new(),
+        comment: (0, String::new()),
         last: HashMap::new(),
     };
     for (number, line) in text::lines(&text) {
@@ -75,6 +76,8 @@ struct Reader<'a> {
     current: Current,
     /// Every model is read once, however often it is placed.
     models: HashMap<String, Rc<Mesh>>,
+    /// The last comment and its line: a material takes its name from the one right above it.
+    comment: (usize, String),
     /// The line of each command's last occurrence.
     last: HashMap<&'static str, usize>,
 }
@@ -122,7 +125,20 @@ impl<'a> Reader<'a> {
         ("environment", "r g b", Reader::environment),
     ];
 
+    /// The comment on the line above, or else the command and its line.
+    fn material_name(&self, command: &str) -> String {
+        match &self.comment {
+            (line, text) if line + 1 == self.line && !text.is_empty() => {
+                text.chars().take(40).collect()
+            }
+            _ => format!("{command}, line {}", self.line),
+        }
+    }
+
     fn line(&mut self, line: &str) -> Result<(), ReadError> {
+        if let Some(comment) = line.trim_start().strip_prefix('#') {
+            self.comment = (self.line, comment.trim().to_owned());
+        }
         let mut tokens = line.split_whitespace();
         let Some(word) = tokens.next().filter(|word| !word.starts_with('#')) else {
             return Ok(());
@@ -170,7 +186,7 @@ impl<'a> Reader<'a> {
 
     fn brdf(&mut self, args: &mut Args) -> Result<(), Problem> {
         let (kd, ks, [exponent]) = (args.numbers()?, args.numbers()?, args.numbers()?);
-        let name = format!("brdf, line {}", self.line);
+        let name = self.material_name("brdf");
         self.current = Current::new(Material::reflecting(name, kd, ks, exponent)?);
         if args.more() {
             let (kt, [_ior]) = (args.numbers::<3>()?, args.numbers()?);
@@ -187,7 +203,7 @@ impl<'a> Reader<'a> {
     }
 
     fn light(&mut self, args: &mut Args) -> Result<(), Problem> {
-        let name = format!("light, line {}", self.line);
+        let name = self.material_name("light");
         self.current = Current::new(Material::light(name, args.numbers()?)?);
         Ok(())
     }
