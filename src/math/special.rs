@@ -2,7 +2,7 @@
 //!
 //! The standard library has these for one `f32` at a time only, and no error function at all. The
 //! polynomials are least-maximum-error fits made for this file; each doc states the largest error
-//! seen against f64 over a dense sweep, which the tests repeat.
+//! seen against f64 over a dense sweep, which `tests/special.rs` repeats.
 
 // Coefficients are written as they were fitted; that one is near a constant is no accident.
 #![allow(clippy::excessive_precision, clippy::approx_constant)]
@@ -172,92 +172,4 @@ pub fn erfc_inv<L: Lane>(c: L) -> L {
         ],
     );
     y * L::select(w.lt(L::splat(5.0)), central, tail)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Largest of `f`'s relative errors over an even sweep of `[a, b]`.
-    fn worst(a: f64, b: f64, f: impl Fn(f32) -> f32, truth: impl Fn(f64) -> f64) -> f64 {
-        let n = 200_000;
-        (0..=n)
-            .map(|i| {
-                let x = (a + (b - a) * i as f64 / n as f64) as f32;
-                let t = truth(x as f64);
-                (f(x) as f64 - t).abs() / t.abs().max(1e-30)
-            })
-            .fold(0.0, f64::max)
-    }
-
-    /// The error function in f64: its series, and beyond 3 the continued fraction of erfc.
-    fn erfc_f64(x: f64) -> f64 {
-        if x < 0.0 {
-            return 2.0 - erfc_f64(-x);
-        }
-        if x > 3.0 {
-            let k = (1..200).rev().fold(x, |tail, n| x + n as f64 * 0.5 / tail);
-            return (-x * x).exp() / (k * std::f64::consts::PI.sqrt());
-        }
-        let (mut term, mut sum) = (x, x);
-        for n in 1..200 {
-            term *= -x * x / n as f64;
-            sum += term / (2 * n + 1) as f64;
-        }
-        1.0 - sum * 2.0 / std::f64::consts::PI.sqrt()
-    }
-
-    #[test]
-    fn exponential_and_logarithm() {
-        assert!(worst(-86.5, 88.6, exp, f64::exp) < 1.3e-7);
-        assert!(worst(-1.0, 1.0, exp, f64::exp) < 1.3e-7);
-        assert_eq!(exp(-100.0f32), 0.0);
-        assert_eq!(exp(0.0f32), 1.0);
-        assert!(worst(1e-6, 0.9, ln, f64::ln) < 2e-7);
-        assert!(worst(1.1, 1e9, ln, f64::ln) < 2e-7);
-        assert!(worst(0.999, 0.999_999, ln, f64::ln) < 2e-7);
-        assert!(worst(1.000_001, 1.001, ln, f64::ln) < 2e-7);
-        assert_eq!(ln(1.0f32), 0.0);
-        for scale in [1e-12, 1e-6, 1e-3, 1.0, 1e6, 1e20] {
-            assert!(worst(0.01 * scale, scale, ln_1p, f64::ln_1p) < 3e-7, "{scale}");
-        }
-        for scale in [1e-12, 1e-6, 1e-3, 1.0, 30.0] {
-            assert!(worst(-scale, -0.01 * scale, exp_m1, f64::exp_m1) < 3e-7, "{scale}");
-        }
-        assert_eq!(exp_m1(0.0f32), 0.0);
-        assert_eq!(ln_1p(0.0f32), 0.0);
-        assert_eq!(ln_1p(f32::MAX), ln(f32::MAX));
-    }
-
-    #[test]
-    fn sine_and_cosine() {
-        for i in 0..=1_000_000 {
-            let u = i as f32 / 1e6;
-            let (s, c) = sin_cos_2pi(u);
-            let (ts, tc) = (u as f64 * std::f64::consts::TAU).sin_cos();
-            assert!((s as f64 - ts).abs() < 1.2e-7 && (c as f64 - tc).abs() < 1.2e-7, "{u}");
-        }
-        assert_eq!(sin_cos_2pi(0.25f32).0, 1.0);
-        assert_eq!(sin_cos_2pi(0.5f32).1, -1.0);
-    }
-
-    #[test]
-    fn error_function_and_inverse() {
-        assert!(worst(1e-6, 4.0, erf, |x| 1.0 - erfc_f64(x)) < 3e-7);
-        assert!(worst(0.0, 8.0, erfc_scaled, |x| erfc_f64(x) * (x * x).exp()) < 5e-7);
-        assert_eq!(erf(-0.5f32), -erf(0.5f32));
-        for i in 1..100_000 {
-            let c = 2.0 * i as f32 / 1e5;
-            let x = erfc_inv(c) as f64;
-            // Compare in c, divided by the slope: the error of x that explains the difference.
-            let slope = 2.0 / std::f64::consts::PI.sqrt() * (-x * x).exp();
-            let dx = ((erfc_f64(x) - c as f64) / slope).abs();
-            assert!(dx < 1e-6 * x.abs().max(0.1), "{c}: {x} is off by {dx}");
-        }
-        for c in [3e-8f32, 1e-7, 1e-6, 1e-5] {
-            let x = erfc_inv(c) as f64;
-            let slope = 2.0 / std::f64::consts::PI.sqrt() * (-x * x).exp();
-            assert!(((erfc_f64(x) - c as f64) / slope).abs() < 2e-6 * x, "{c}");
-        }
-    }
 }
