@@ -138,6 +138,10 @@ impl Workers {
                     },
                 )
             });
+            // The first whole pass is worth showing whenever it comes.
+            if done == 0 && whole_passes(films) > 0 {
+                self.outlet.send(|| epoch.snapshot(State::Running, whole_passes(films)));
+            }
         }
         epoch.clock(false);
     }
