@@ -55,6 +55,7 @@ pub mod brdf;
 pub mod film;
 pub mod geometry;
 pub mod math;
+pub mod measure;
 pub mod picture;
 pub mod progressive;
 pub mod scene;

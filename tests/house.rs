@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The library's rooms with the rooms that each may name.
-const MAY_KNOW: [(&str, &[&str]); 8] = [
+const MAY_KNOW: [(&str, &[&str]); 9] = [
     ("math", &[]),
     ("geometry", &["math"]),
     ("brdf", &["math"]),
@@ -13,6 +13,7 @@ const MAY_KNOW: [(&str, &[&str]); 8] = [
     ("trace", &["scene", "geometry", "brdf", "math"]),
     ("picture", &[]),
     ("progressive", &["trace", "film", "scene", "picture", "brdf", "math"]),
+    ("measure", &["progressive", "trace", "film", "scene", "picture", "brdf", "math"]),
 ];
 
 /// Foreign names with the only places that may use them.

@@ -354,7 +354,7 @@ impl ModelVisitor for TilePass<'_> {
         let pass = self.film.begin_pass();
         let (film, nonfinite) = (&mut *self.film, self.nonfinite);
         let mut pixel = 0;
-        self.tracer.sample_each::<M>(self.rect.pixels(), pass, self.scratch, |sample| {
+        self.tracer.sample_each::<M>(&mut self.rect.pixels(), pass, self.scratch, &mut |sample| {
             if sample.is_finite() {
                 film.add(pixel, sample);
             } else {

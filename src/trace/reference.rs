@@ -36,35 +36,33 @@ impl Tracer {
     /// top. The same arguments give the same bits, always.
     pub fn sample<M: Microfacet>(&self, x: u32, y: u32, pass: u64, scratch: &mut Scratch) -> Rgb {
         let mut radiance = Rgb::BLACK;
-        self.sample_each::<M>([[x, y]], pass, scratch, |found| radiance = found);
+        self.sample_each::<M>(&mut [[x, y]].into_iter(), pass, scratch, &mut |found| {
+            radiance = found;
+        });
         radiance
     }
 
     /// [`Tracer::sample`] of one pixel after the other, compiled for the machine's instruction set.
+    /// The callers' parts are not generic, so that this is compiled once a model and set.
     pub fn sample_each<M: Microfacet>(
         &self,
-        pixels: impl IntoIterator<Item = [u32; 2]>,
+        pixels: &mut dyn Iterator<Item = [u32; 2]>,
         pass: u64,
         scratch: &mut Scratch,
-        each: impl FnMut(Rgb),
+        each: &mut dyn FnMut(Rgb),
     ) {
-        struct Pixels<'a, M, P, F> {
+        struct Pixels<'a, M> {
             tracer: &'a Tracer,
-            pixels: P,
+            pixels: &'a mut dyn Iterator<Item = [u32; 2]>,
             pass: u64,
             scratch: &'a mut Scratch,
-            each: F,
+            each: &'a mut dyn FnMut(Rgb),
             model: PhantomData<M>,
         }
-        impl<M, P, F> Kernel for Pixels<'_, M, P, F>
-        where
-            M: Microfacet,
-            P: IntoIterator<Item = [u32; 2]>,
-            F: FnMut(Rgb),
-        {
+        impl<M: Microfacet> Kernel for Pixels<'_, M> {
             type Output = ();
             #[inline(always)]
-            fn run<W: Wide>(mut self) {
+            fn run<W: Wide>(self) {
                 for [x, y] in self.pixels {
                     let stream = Stream::new(self.tracer.seed, U32(x), U32(y), self.pass);
                     let [dx, dy] = pair::<f32>(&stream, Slot::CAMERA);

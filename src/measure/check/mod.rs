@@ -1,0 +1,1 @@
+//! The proofs: a model at a roughness against its own laws.

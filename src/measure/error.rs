@@ -1,0 +1,1 @@
+//! Error measures between two pictures, each with its formula.

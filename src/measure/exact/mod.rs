@@ -1,0 +1,1 @@
+//! Scenes whose picture is known exactly.

@@ -1,0 +1,1 @@
+//! Intervals: what the spread of a few numbers says about their mean.

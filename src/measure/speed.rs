@@ -1,0 +1,1 @@
+//! Speed against error: error after passes, seconds and rays.
