@@ -3,7 +3,7 @@
 use crate::brdf::{Model, Roughness};
 use crate::math::sequence::REPLICATES;
 use crate::scene::{Camera, Material, Scene};
-use crate::trace::Strategy;
+use crate::trace::{Strategy, Tracer};
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -91,6 +91,19 @@ impl Params {
             material.roughness = roughness;
         }
         self
+    }
+
+    /// What traces a sample of any pixel and pass of these.
+    pub fn tracer(&self) -> Tracer {
+        Tracer::new(
+            self.scene.clone(),
+            &self.materials,
+            &self.camera,
+            self.size,
+            self.seed,
+            self.max_depth,
+            self.strategy,
+        )
     }
 
     /// Whether these can be rendered.
