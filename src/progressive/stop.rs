@@ -14,8 +14,8 @@ pub struct StopRule {
 }
 
 impl StopRule {
-    /// Passes before the first look.
-    pub const FIRST: u64 = 32;
+    /// Passes before the first look: before, the tails of the error are not seen.
+    pub const FIRST: u64 = 64;
 
     /// Passes before the next look at a picture that has `passes` and this error; `None` when it is
     /// good enough.
@@ -58,7 +58,7 @@ mod tests {
         assert_eq!(rule.next(64, Some(&error(0.079, true))), None);
         assert!(rule.next(64, Some(&error(0.081, true))).is_some());
         assert!(rule.next(64, Some(&error(0.01, false))).is_some());
-        assert!(rule.next(16, Some(&error(0.01, true))).is_some());
+        assert!(rule.next(32, Some(&error(0.01, true))).is_some());
     }
 
     #[test]
