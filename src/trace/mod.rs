@@ -30,6 +30,29 @@ pub enum Strategy {
     BsdfOnly,
 }
 
+impl Strategy {
+    /// All of them.
+    pub const ALL: [Strategy; 3] = [Strategy::Mis, Strategy::LightOnly, Strategy::BsdfOnly];
+
+    /// Lower-case name, as the command line takes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Strategy::Mis => "mis",
+            Strategy::LightOnly => "light",
+            Strategy::BsdfOnly => "bsdf",
+        }
+    }
+
+    /// As a person writes it.
+    pub fn title(self) -> &'static str {
+        match self {
+            Strategy::Mis => "MIS",
+            Strategy::LightOnly => "light only",
+            Strategy::BsdfOnly => "BSDF only",
+        }
+    }
+}
+
 /// A scene made ready for tracing with given materials, camera and picture size.
 #[derive(Debug)]
 pub struct Tracer {
