@@ -1,5 +1,6 @@
 //! `burnish compare`: how far one picture is from another.
 
+use super::figures::significant;
 use super::{Failure, print, values};
 use burnish::measure::difference::{self, Difference};
 use burnish::measure::error::{ALL, MEAN_ERROR, Pair, REFERENCE_NOISE, Reference};
@@ -20,14 +21,14 @@ pub(super) struct Args {
     reference: PathBuf,
     /// Writes where they differ, in false colours: white where not, red where the picture is too
     /// bright, blue where it is too dark.
-    #[arg(short, long = "output", value_name = "FILE.png", value_parser = values::picture)]
+    #[arg(short, long = "output", value_name = "FILE", value_parser = values::picture)]
     output: Option<PathBuf>,
     /// The relative difference of the full colours of --output. Without it, what 99 % of the
     /// pixels do not exceed.
     #[arg(long, value_name = "D", requires = "output", value_parser = values::positive)]
     scale: Option<f32>,
     /// Writes where a person sees a difference (FLIP), from black, not at all, to pale yellow.
-    #[arg(long, value_name = "FILE.png", value_parser = values::picture)]
+    #[arg(long, value_name = "FILE", value_parser = values::picture)]
     flip: Option<PathBuf>,
     /// Exposure in stops at which FLIP sees both, -30 to 30.
     #[arg(long, value_name = "EV", default_value = "0", value_parser = values::exposure)]
@@ -53,9 +54,10 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         let scale = args.scale.unwrap_or_else(|| difference.scale());
         save(path, &difference.false_colour(scale))?;
         print(format_args!(
-            "{}: {}; blue -{scale:.3} or less, white 0, red +{scale:.3} or more, magenta undefined",
+            "{}: {}; blue -{end} or less, white 0, red +{end} or more, magenta undefined",
             path.display(),
-            difference::FORMULA
+            difference::FORMULA,
+            end = significant(scale.into(), 3)
         ))?;
     }
     if let Some(path) = &args.flip {
@@ -102,15 +104,9 @@ fn print_measures(args: &Args, pair: &Pair, seen: &Result<Flip, String>) -> Resu
     Ok(())
 }
 
-/// Four digits, or a dash for what is not a number.
+/// Five digits are enough to tell two runs apart.
 fn figure(value: f64) -> String {
-    if value.is_nan() {
-        "-".into()
-    } else if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
-        format!("{value:.5}")
-    } else {
-        format!("{value:.3e}")
-    }
+    significant(value, 5)
 }
 
 /// Pictures of radiance alone can be measured: a PNG file has been through a tone curve.

@@ -5,6 +5,7 @@
 
 mod brdf;
 mod compare;
+mod figures;
 mod interrupt;
 mod progress;
 mod render;

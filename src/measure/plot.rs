@@ -130,7 +130,7 @@ fn draw_guides(chart: &mut Chart, x: &Range<f64>, y: &Range<f64>) -> Drawn {
         let [from, to] = [x.start.max(double - 2.0 * y.end), x.end.min(double - 2.0 * y.start)];
         if from < to {
             let ends = [from, to].map(|x| (10f64.powf(x), 10f64.powf((double - x) / 2.0)));
-            let line = DashedLineSeries::new(ends, 3, 4, GREY.stroke_width(1));
+            let line = LineSeries::new(ends, GREY.stroke_width(1));
             chart.draw_series(line).map_err(words)?;
         }
     }
@@ -193,11 +193,16 @@ fn draw_legend(panel: &Panel, area: &Area) -> Drawn {
         area.draw(&Text::new(curve.label.clone(), (44, y), style.clone())).map_err(words)?;
     }
     let y = top + panel.curves.len() as i32 * LEGEND_LINE + LEGEND_LINE / 2;
-    for from in [4, 12, 20, 28] {
-        let line = PathElement::new(vec![(from, y), (from + 4, y)], GREY.stroke_width(1));
-        area.draw(&line).map_err(words)?;
-    }
-    let notes = ["slope -1/2: equal", "efficiency, tenfold from", "one line to the next"];
+    let guide = PathElement::new(vec![(4, y - 5), (36, y + 5)], GREY.stroke_width(1));
+    area.draw(&guide).map_err(words)?;
+    let notes = [
+        "slope -1/2: equal",
+        "efficiency, tenfold from",
+        "one line to the next",
+        "",
+        "upright: lowest to",
+        "highest of all repeats",
+    ];
     for (row, note) in notes.into_iter().enumerate() {
         let y = y + row as i32 * (LEGEND_LINE - 5);
         area.draw(&Text::new(note, (44, y), style.clone())).map_err(words)?;

@@ -1,6 +1,7 @@
 //! The table on the terminal, and what its columns mean.
 
 use super::speed::Measured;
+use crate::cli::figures::significant;
 use crate::cli::values;
 use burnish::measure::error::{
     ALL, MSE, MSE_TRIMMED, REFERENCE_NOISE, REL_MSE, REL_MSE_TRIMMED, REL_RMSE, SCALE_FREE, SMAPE,
@@ -132,18 +133,8 @@ fn percent(value: f64) -> String {
     if value.is_nan() { "-".into() } else { format!("{:.2} %", 100.0 * value) }
 }
 
-/// Three digits; a dash for what is not a number.
 fn short(value: f64) -> String {
-    let size = value.abs();
-    if value.is_nan() {
-        "-".into()
-    } else if size == 0.0 || (0.01..10.0).contains(&size) {
-        format!("{value:.3}")
-    } else if (10.0..1e5).contains(&size) {
-        format!("{value:.0}")
-    } else {
-        format!("{value:.2e}")
-    }
+    significant(value, 3)
 }
 
 /// Text in columns: the first to the left, numbers to the right.
