@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// Columns before and after those of the measures. FLIP is known in the last row of a curve alone;
 /// the memory is that of the whole program when the scene was done.
-const BEFORE: [&str; 12] = [
+const BEFORE: [&str; 13] = [
     "scene",
     "width",
     "height",
@@ -17,6 +17,7 @@ const BEFORE: [&str; 12] = [
     "reference",
     "model",
     "strategy",
+    "normals",
     "repeat",
     "seed",
     "passes",
@@ -54,6 +55,7 @@ fn rows<W: io::Write>(measured: &Measured, table: &mut csv::Writer<W>) -> io::Re
                 truth.clone(),
                 run.variant.model.name().into(),
                 run.variant.strategy.name().into(),
+                run.variant.normals.name().into(),
                 run.repeat.to_string(),
                 run.seed.to_string(),
                 point.passes.to_string(),

@@ -3,7 +3,7 @@
 use super::{sheet, table};
 use crate::cli::values::{self, Chosen, chosen};
 use crate::cli::{Failure, print, say, scene, stats};
-use burnish::brdf::Model;
+use burnish::brdf::{Model, Normals};
 use burnish::measure::error::{REL_RMSE, Reference};
 use burnish::measure::plot::{Curve, Dot, Panel, log_log};
 use burnish::measure::speed::{Checkpoint, Experiment, Plan, Stage, Summary, Truth, Variant};
@@ -23,6 +23,11 @@ pub(super) struct Args {
     #[arg(long, value_name = "STRATEGIES", default_value = "all",
           value_parser = chosen(Strategy::ALL, Strategy::name))]
     strategy: Chosen<Strategy>,
+    /// How Beckmann's and GGX's microfacet normals are drawn: all, visible, or distribution, which
+    /// a slower copy of the tracer does.
+    #[arg(long, value_name = "NORMALS", default_value = "visible",
+          value_parser = chosen(Normals::ALL, Normals::name))]
+    normals: Chosen<Normals>,
     /// Passes of the last checkpoint; the others are the powers of 2 below.
     #[arg(long, value_name = "N", default_value_t = 64,
           value_parser = clap::value_parser!(u64).range(1..=Session::MAX_PASSES))]
@@ -113,10 +118,8 @@ fn measure(args: &super::Args, path: Option<&Path>) -> Result<Measured, Failure>
 
 impl Args {
     fn plan(&self, args: &super::Args, base: Params) -> Plan {
-        let strategies = &self.strategy.0;
-        let of_model = |&model| strategies.iter().map(move |&strategy| Variant { model, strategy });
         Plan {
-            variants: self.model.0.iter().flat_map(of_model).collect(),
+            variants: Variant::all(&self.model.0, &self.strategy.0, &self.normals.0),
             base: Params { size: args.size.unwrap_or([320, 240]), seed: self.seed, ..base },
             passes: self.passes,
             seconds: self.seconds,
@@ -152,18 +155,18 @@ impl Args {
     }
 }
 
-/// Colours tell strategies apart, marks models.
+/// Colours tell strategies apart, marks models, dashes ways to draw normals.
 fn panel(measured: &Measured) -> Panel {
     let Measured { scene, plan, summaries, .. } = measured;
     let [width, height] = plan.base.size;
     let threads = values::worker_count(plan.threads);
     let curve = |summary: &Summary| {
-        let Variant { model, strategy } = summary.variant;
+        let Variant { model, strategy, normals } = summary.variant;
         Curve {
             label: summary.variant.title(),
             colour: Strategy::ALL.iter().position(|s| *s == strategy).unwrap_or(0),
             mark: Model::ALL.iter().position(|m| *m == model).unwrap_or(0),
-            dashed: false,
+            dashed: normals != Normals::Visible,
             dots: summary.checkpoints.iter().map(dot).collect(),
         }
     };

@@ -16,7 +16,7 @@ pub use summary::{Checkpoint, Summary};
 
 use super::error::{ALL, Measure, Pair, PairError, REL_MSE, Reference};
 use super::flip::Flip;
-use crate::brdf::Model;
+use crate::brdf::{Model, Normals};
 use crate::picture::Tone;
 use crate::progressive::{
     Options, Params, ParamsError, Session, Snapshot, State, Strategy, render,
@@ -30,17 +30,44 @@ pub struct Variant {
     pub model: Model,
     /// How light is found.
     pub strategy: Strategy,
+    /// How microfacet normals are drawn. From the whole distribution they are drawn by a slower
+    /// copy of the tracer: errors after equal passes compare, seconds do not.
+    pub normals: Normals,
 }
 
 impl Variant {
-    /// The parameters of a render in this way, all else being as in `base`.
-    pub fn params(self, base: &Params) -> Params {
-        Params { model: self.model, strategy: self.strategy, ..base.clone() }
+    /// Every combination of these, model by model. Phong draws from the distribution whatever is
+    /// asked, so it is there once.
+    pub fn all(models: &[Model], strategies: &[Strategy], normals: &[Normals]) -> Vec<Variant> {
+        let mut all = Vec::new();
+        for &model in models {
+            let known = if model == Model::Phong { &[Normals::Visible] } else { normals };
+            for &normals in known {
+                let variant = |&strategy| Variant { model, strategy, normals };
+                all.extend(strategies.iter().map(variant));
+            }
+        }
+        all
     }
 
-    /// As a person writes it: "GGX, MIS".
+    /// The parameters of a render in this way, all else being as in `base`.
+    pub fn params(self, base: &Params) -> Params {
+        let Variant { model, strategy, normals } = self;
+        Params { model, strategy, normals, ..base.clone() }
+    }
+
+    /// As a person writes it: "GGX, light only", "GGX, MIS, all normals".
     pub fn title(self) -> String {
-        format!("{}, {}", self.model.title(), self.strategy.title())
+        let strategy = match self.strategy {
+            Strategy::Mis => "MIS",
+            Strategy::LightOnly => "light only",
+            Strategy::BsdfOnly => "BSDF only",
+        };
+        let normals = match self.normals {
+            Normals::Visible => "",
+            Normals::Distribution => ", all normals",
+        };
+        format!("{}, {strategy}{normals}", self.model.title())
     }
 }
 
@@ -202,8 +229,9 @@ impl Plan {
                     watch(Stage::Reference(model));
                     // Repeats count up from the base's seed: half the seeds away is out of reach.
                     let seed = self.base.seed ^ 1 << 63;
-                    let strategy = Strategy::Mis;
-                    let params = Params { model, strategy, seed, ..self.base.clone() };
+                    let (strategy, normals) = (Strategy::Mis, Normals::Visible);
+                    let best = Variant { model, strategy, normals };
+                    let params = Params { seed, ..best.params(&self.base) };
                     Reference::rendered(&render(params, *passes, self.threads)?)
                 }
             };
