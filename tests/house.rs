@@ -17,7 +17,7 @@ const MAY_KNOW: [(&str, &[&str]); 9] = [
 ];
 
 /// Foreign names with the only places that may use them.
-const ONE_PLACE: [(&str, &[&str]); 14] = [
+const ONE_PLACE: [(&str, &[&str]); 15] = [
     ("obvhs", &["src/geometry/bvh.rs"]),
     ("tobj", &["src/scene/read/"]),
     ("ply_rs_bw", &["src/scene/read/ply"]),
@@ -29,6 +29,7 @@ const ONE_PLACE: [(&str, &[&str]); 14] = [
     ("clap", &["src/cli/"]),
     ("flip_rs", &["src/measure/flip.rs"]),
     ("plotters", &["src/measure/plot.rs"]),
+    ("statrs", &["src/film/interval.rs"]),
     ("unsafe ", &["src/math/lanes/"]),
     ("std::time::Instant", &["src/progressive/", "src/cli/", "src/viewer/"]),
     ("std::process::exit", &["src/main.rs", "src/cli/"]),
