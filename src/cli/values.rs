@@ -1,8 +1,8 @@
 //! From the text of an argument to its value. Errors complete clap's "invalid value" line.
 
-use burnish::brdf::{Model, Roughness};
+use burnish::brdf::{Erratum, Model, Normals, Roughness};
 use burnish::picture::{Curve, Format, Tone};
-use burnish::progressive::Params;
+use burnish::progressive::{Params, Strategy};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -101,6 +101,21 @@ pub(super) fn picture(text: &str) -> Result<PathBuf, String> {
 /// A model by its lower-case name.
 pub(super) fn model() -> impl TypedValueParser<Value = Model> {
     one_of(Model::ALL, Model::name)
+}
+
+/// A strategy by its lower-case name.
+pub(super) fn strategy() -> impl TypedValueParser<Value = Strategy> {
+    one_of(Strategy::ALL, Strategy::name)
+}
+
+/// A way to draw normals by its lower-case name.
+pub(super) fn normals() -> impl TypedValueParser<Value = Normals> {
+    one_of(Normals::ALL, Normals::name)
+}
+
+/// An erratum by its name.
+pub(super) fn erratum() -> impl TypedValueParser<Value = Erratum> {
+    one_of(Erratum::ALL, Erratum::name)
 }
 
 /// Some of a few things, named in one argument.

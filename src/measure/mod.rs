@@ -2,12 +2,14 @@
 //!
 //! [`error`] holds the measures with their formulas, [`flip`] the difference that a person sees,
 //! [`difference`] a picture of it, [`check`] the proofs of a BRDF and its sampler, [`exact`] scenes
-//! whose answer is known, [`calibrate`] whether the error bar keeps its word, [`speed`] error
-//! against passes, seconds and rays, [`plot`] the curves of that.
+//! whose answer is known, [`calibrate`] whether the error bar keeps its word, [`errata`] what a
+//! mistake does to a picture, [`speed`] error against passes, seconds and rays, [`plot`] the curves
+//! of that.
 
 pub mod calibrate;
 pub mod check;
 pub mod difference;
+pub mod errata;
 pub mod error;
 pub mod exact;
 pub mod flip;
