@@ -1,7 +1,7 @@
 //! The error bar, against many independent renders: the quick form of `burnish check --full`.
 
 use burnish::measure::calibrate::Renders;
-use burnish::progressive::{Options, Params, Session, Snapshot, State, StopRule, Strategy, render};
+use burnish::progressive::{Options, Params, Session, State, StopRule, Strategy, render};
 use burnish::scene::builtin::Example;
 use burnish::scene::{Camera, Material, SceneBuilder};
 use std::sync::Arc;

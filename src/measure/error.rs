@@ -336,6 +336,9 @@ const BLOCKS: usize = 8;
 /// Half the width of the 95 % Student interval about the mean of independent numbers: `t s / sqrt n`
 /// with n - 1 degrees of freedom. `None` for fewer than two numbers.
 pub fn mean_margin(values: &[f64]) -> Option<f64> {
+    if values.len() < 2 {
+        return None;
+    }
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     let squares = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
