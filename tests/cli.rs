@@ -251,6 +251,54 @@ fn the_picture_depends_on_what_it_should_and_on_nothing_else() {
     assert!(!same(&["--model", "phong"], &["--model", "ggx"]));
     assert!(!same(&["--alpha", "0.1"], &["--alpha", "0.4"]));
     assert!(!same(&["--max-depth", "1"], &[]));
+    for (strategy, alike) in [("mis", true), ("light", false), ("bsdf", false)] {
+        assert_eq!(same(&["--strategy", strategy], &[]), alike, "{strategy}");
+    }
+    assert!(same(&["--normals", "visible"], &[]));
+    assert!(!same(&["--normals", "distribution"], &[]));
+    assert!(!same(&["--erratum", "ggx-g-sum"], &[]));
+    assert!(same(&["--model", "phong", "--erratum", "ggx-g-sum"], &["--model", "phong"]));
+}
+
+#[test]
+fn a_picture_that_is_wrong_on_purpose_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let [exr, stats] = ["a.exr", "a.json"].map(|name| at(&folder, name));
+    let small = ["render", "-o", &exr, "--stats", &stats, "--size", "32x24", "--passes", "2"];
+    let with = |more: &[&str]| {
+        let output = run(&[&small[..], more].concat());
+        assert_eq!(code(&output), 0, "{}", err(&output));
+        (err(&output), json(&stats))
+    };
+    let (said, j) = with(&["--erratum", "double-direct", "--normals", "distribution"]);
+    assert!(said.contains("wrong on purpose: double-direct: a light counts in full"), "{said}");
+    let named = ["strategy", "normals", "erratum"].map(|name| j[name].as_str());
+    assert_eq!(named, [Some("mis"), Some("distribution"), Some("double-direct")]);
+    let (said, j) = with(&["--strategy", "bsdf"]);
+    assert!(!said.contains("wrong"), "{said}");
+    assert_eq!((j["strategy"].as_str(), j["erratum"].is_null()), (Some("bsdf"), true));
+    let (said, _) = with(&["--model", "phong", "--erratum", "ggx-g-sum"]);
+    assert!(said.contains("about GGX and has no effect on Phong"), "{said}");
+    let help = must(&["render", "--help"]);
+    for erratum in burnish::brdf::Erratum::ALL {
+        assert!(help.contains(erratum.name()), "{} is not in the help", erratum.name());
+    }
+}
+
+/// Small and short: the table's form, and the one effect that no noise can hide.
+#[test]
+fn the_report_measures_every_erratum() {
+    let small = ["--size", "40x30", "--passes", "8", "--repeats", "3"];
+    let text = must(&[&["report", "--errata"][..], &small].concat());
+    for erratum in burnish::brdf::Erratum::ALL {
+        assert!(text.lines().any(|l| l.starts_with(erratum.name())), "{text}");
+    }
+    let row = text.lines().find(|l| l.starts_with("double-direct")).unwrap();
+    let change: f64 = row.split_whitespace().nth(2).unwrap().parse().unwrap();
+    assert!(change > 50.0, "{row}");
+    for other in ["--latency", "--model=ggx", "--csv=never-written.csv"] {
+        assert_eq!(code(&run(&["report", "--errata", other])), 2, "{other}");
+    }
 }
 
 #[test]
