@@ -29,5 +29,12 @@ fn full() {
         last = t;
     })
     .unwrap();
-    println!("{} cases, {} failed, {} left out, mean square {:.3} of {}", s.cases, s.failed, s.left_out.len(), s.mean_square, s.noisy);
+    println!(
+        "{} cases, {} failed, {} left out, mean square {:.3} of {}",
+        s.cases,
+        s.failed,
+        s.left_out.len(),
+        s.mean_square,
+        s.noisy
+    );
 }

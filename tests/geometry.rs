@@ -233,7 +233,7 @@ fn leaving_a_convex_shape_never_meets_it_again() {
     let mut r = Random::new(3);
     for scale in [1e-6, 1.0, 1e6] {
         for shift in [0.0, 1e4, 1e6] {
-            for shape in 0..4 {
+            for shape in 0..8 {
                 let mut b = SceneBuilder::new("convex");
                 let m = clay(&mut b);
                 let at = DVec3::new(0.3, -0.7, 0.2) * scale + DVec3::splat(shift * scale);
@@ -241,11 +241,17 @@ fn leaving_a_convex_shape_never_meets_it_again() {
                     0 => b.sphere(at, 0.7 * scale, m).unwrap(),
                     1 => b.cylinder(at, DVec3::new(0.3, 0.5, 0.8) * scale, 0.2 * scale, m).unwrap(),
                     2 => b.cuboid(at, DVec3::new(1.0, 0.3, 2.0) * scale, m).unwrap(),
-                    _ => {
+                    3 => {
                         let place = DAffine3::from_translation(at)
                             * DAffine3::from_scale(DVec3::splat(scale));
                         b.mesh(&ball(3), place, m).map(|_| ()).unwrap();
                     }
+                    // Flat, through the very middle of the scene, across each axis.
+                    4 => b.cuboid(at, DVec3::new(0.0, 1.0, 0.8) * scale, m).unwrap(),
+                    5 => b.cuboid(at, DVec3::new(0.7, 0.0, 1.0) * scale, m).unwrap(),
+                    6 => b.cuboid(at, DVec3::new(1.0, 0.9, 0.0) * scale, m).unwrap(),
+                    // Slender: a hundred times as long as wide.
+                    _ => b.cuboid(at, DVec3::new(0.01, 1.0, 0.3) * scale, m).unwrap(),
                 }
                 let scene = b.build();
                 let g = scene.geometry();
@@ -277,6 +283,35 @@ fn leaving_a_convex_shape_never_meets_it_again() {
                     );
                 }
             }
+        }
+    }
+}
+
+/// Long thin triangles lose digits in their weights, not in where they are.
+#[test]
+fn leaving_a_slender_shape_never_meets_it_again() {
+    let mut r = Random::new(5);
+    for width in [1e-1, 1e-2, 1e-3, 1e-4] {
+        let mut b = SceneBuilder::new("slender");
+        let m = clay(&mut b);
+        b.cuboid(DVec3::ZERO, DVec3::new(width, 1.0, 1.0), m).unwrap();
+        let scene = b.build();
+        let g = scene.geometry();
+        let mut stack = scene.bvh().stack();
+        for _ in 0..200_000 {
+            // Onto one of the narrow faces.
+            let mut across = || r.within(-0.5 * width, 0.5 * width);
+            let (x, y) = (across(), across());
+            let o = v3(DVec3::new(x, 3.0, r.within(-1.0, 1.0)));
+            let ray = Ray { o, d: v3(DVec3::new(y, 0.0, r.within(-0.5, 0.5))) - o };
+            let hit = scene.bvh().closest(g, &ray, f32::INFINITY, &mut stack).unwrap();
+            let s = g.surface(&ray, &hit);
+            let ng = if s.ng.dot(ray.d) > 0.0 { -s.ng } else { s.ng };
+            let d = v3(DVec3::from_array(r.direction()));
+            let d = if ng.dot(d) > 0.0 { d } else { -d };
+            let away = Ray { o: offset_origin(s.p, s.error, ng, d), d };
+            let again = scene.bvh().closest(g, &away, f32::INFINITY, &mut stack);
+            assert!(again.is_none(), "width {width}: {again:?} {d:?}");
         }
     }
 }

@@ -100,9 +100,9 @@ pub(super) struct Integrating {
 }
 
 impl Integrating {
-    /// Facets of the cap from its middle to its rim, and around.
-    const RINGS: u32 = 32;
-    const SECTORS: u32 = 256;
+    /// Length of the facets' edges, about. Shorter ones would stand before the wall by less than
+    /// single precision tells; as it is, by an eighth of its square.
+    const EDGE: f64 = 0.01;
 
     pub(super) fn stage(&self, quantity: &str) -> Result<Stage, ExactError> {
         let mut builder = SceneBuilder::new("integrating sphere");
@@ -116,10 +116,7 @@ impl Integrating {
             "cap" => DVec3::new(0.2 * self.half_angle(), 0.0, 1.0),
             _ => return Err(ExactError::Quantity(quantity.to_owned())),
         };
-        // Facets stand before the wall by up to an eighth of their edge squared.
-        let edge = self.half_angle() / Self::RINGS as f64;
-        let around = self.half_angle().sin() * TAU / Self::SECTORS as f64;
-        let bound = edge * edge + around * around;
+        let bound = 0.25 * Self::EDGE * Self::EDGE;
         let camera = Camera::look_at(DVec3::ZERO, target, 1e-3)?;
         Ok(Stage::new(builder, camera).bounded(of_albedo(self.rho) + bound))
     }
@@ -132,23 +129,25 @@ impl Integrating {
     /// walls see of it is its rim, so that is what has to be right: as a polygon it is a little
     /// wider than the circle, by as much as makes the areas equal.
     fn facets(&self) -> (Vec<DVec3>, Vec<[u32; 3]>) {
-        let wedge = TAU / Self::SECTORS as f64;
+        let rings = (self.half_angle() / Self::EDGE).ceil() as u32;
+        let sectors = (self.half_angle().sin() * TAU / Self::EDGE).ceil() as u32;
+        let wedge = TAU / sectors as f64;
         let wider = (wedge / wedge.sin()).sqrt();
         let mut positions = vec![DVec3::Z];
         let mut triangles = Vec::new();
-        for ring in 1..=Self::RINGS {
-            let theta = wider * self.half_angle() * ring as f64 / Self::RINGS as f64;
+        for ring in 1..=rings {
+            let theta = wider * self.half_angle() * ring as f64 / rings as f64;
             let first = positions.len() as u32;
-            for sector in 0..Self::SECTORS {
+            for sector in 0..sectors {
                 let (sin, cos) = (wedge * sector as f64).sin_cos();
                 let (across, along) = theta.sin_cos();
                 positions.push(DVec3::new(across * cos, across * sin, along));
-                let next = (sector + 1) % Self::SECTORS;
+                let next = (sector + 1) % sectors;
                 let (c, d) = (first + sector, first + next);
                 if ring == 1 {
                     triangles.push([0, c, d]);
                 } else {
-                    let (a, b) = (c - Self::SECTORS, d - Self::SECTORS);
+                    let (a, b) = (c - sectors, d - sectors);
                     triangles.extend([[a, c, d], [a, d, b]]);
                 }
             }

@@ -51,7 +51,7 @@ pub struct Outcome {
     pub standard_error: f64,
     /// What the construction and the answer's own error may add, absolute.
     pub allowance: f64,
-    /// `(mean - expected) / standard_error`; 0 where both are within rounding.
+    /// By how many standard errors the mean lies beyond the allowance; signed.
     pub sigmas: f64,
     /// `mean / expected - 1`.
     pub relative_error: f64,
@@ -78,10 +78,7 @@ pub struct Summary {
 }
 
 /// Renders every case of [`all`] on all cores, and hands out each as it is done.
-pub fn run_all(
-    budget: Budget,
-    each: &mut dyn FnMut(&Outcome),
-) -> Result<Summary, ExactError> {
+pub fn run_all(budget: Budget, each: &mut dyn FnMut(&Outcome)) -> Result<Summary, ExactError> {
     let table = all()?;
     let mut summary = Summary { left_out: table.left_out, ..Summary::default() };
     let mut squares = 0.0;
@@ -89,9 +86,10 @@ pub fn run_all(
         let outcome = case.run(budget)?;
         summary.cases += 1;
         summary.failed += usize::from(outcome.verdict != Verdict::Agrees);
-        if outcome.standard_error > 2.0 * outcome.allowance {
+        if outcome.standard_error > 5.0 * outcome.allowance {
             summary.noisy += 1;
-            squares += outcome.sigmas * outcome.sigmas;
+            let off = outcome.mean - outcome.case.expected;
+            squares += (off / outcome.standard_error).powi(2);
         }
         each(&outcome);
     }
@@ -139,7 +137,7 @@ impl Case {
         let allowance = self.error + stage.bound * self.expected;
         let limit = SIGMAS * budget.relative * self.expected + self.error;
         let told = SIGMAS * standard_error <= limit;
-        let close = off.abs() <= SIGMAS * standard_error + allowance;
+        let close = beyond(off, allowance).abs() <= SIGMAS * standard_error;
         let verdict = if snapshot.counts.nonfinite > 0 || (told && !close) {
             Verdict::Differs
         } else if !told {
@@ -153,13 +151,18 @@ impl Case {
             mean,
             standard_error,
             allowance,
-            sigmas: if standard_error > 0.0 { off / standard_error } else { 0.0 },
+            sigmas: beyond(off, allowance) / standard_error.max(f64::MIN_POSITIVE),
             relative_error: off / self.expected,
             counts: snapshot.counts,
             verdict,
             case: self.clone(),
         }
     }
+}
+
+/// How far `off` from zero goes beyond what is allowed; signed.
+fn beyond(off: f64, allowance: f64) -> f64 {
+    (off.abs() - allowance).max(0.0).copysign(off)
 }
 
 /// Waits for this many passes.
