@@ -7,7 +7,7 @@ use crate::math::{Mask, V3};
 
 /// Hits nearer than this, in units of the scene along the ray's fastest axis, have their distance
 /// decided in f64.
-const NEAR: f32 = 1.0 / 64.0;
+const NEAR: f32 = 1.0 / 256.0;
 
 /// Eight triangles by component: `v[vertex][axis][lane]`.
 #[derive(Clone, Debug)]
