@@ -4,6 +4,8 @@
 //! (clap's own code). Results go to stdout, all talk to stderr.
 
 mod brdf;
+mod compare;
+mod figures;
 mod interrupt;
 mod progress;
 mod render;
@@ -38,6 +40,7 @@ struct Args {
 #[derive(Debug, Subcommand)]
 enum Command {
     Brdf(brdf::Args),
+    Compare(compare::Args),
     Render(Box<render::Args>),
     Report(report::Args),
 }
@@ -49,6 +52,7 @@ pub(crate) fn main() -> ExitCode {
     let result = match args.command {
         None => window::open(args.window),
         Some(Command::Brdf(args)) => brdf::run(&args),
+        Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::Render(args)) => render::run(&args, started),
         Some(Command::Report(args)) => report::run(&args),
     };

@@ -5,9 +5,9 @@ use super::scene::{self, Loaded};
 use super::snapshots::next;
 use super::stats::{self, Stats};
 use super::{Failure, interrupt, say, values};
-use burnish::brdf::{Model, Roughness};
+use burnish::brdf::{Erratum, Model, Normals, Roughness};
 use burnish::picture::{self, Curve, Picture, Tone, check_writable};
-use burnish::progressive::{Options, Params, Session, Snapshot, State};
+use burnish::progressive::{Options, Params, Session, Snapshot, State, StopRule, Strategy};
 use burnish::scene::{Camera, Scene};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -50,6 +50,11 @@ pub(super) struct Args {
     #[arg(long, value_name = "SECONDS", conflicts_with = "passes",
           value_parser = values::seconds)]
     time: Option<f64>,
+    /// Renders until the relative error is at most this, as a part of one or in percent (0.02,
+    /// 2%): the upper 95 % limit of sqrt(mean((x - r)^2 / (r^2 + 0.01))), r being the truth. With
+    /// --time, whichever comes first.
+    #[arg(long, value_name = "E", conflicts_with = "passes", value_parser = values::error)]
+    error: Option<f64>,
     /// Width and height in pixels instead of the scene's.
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     size: Option<[u32; 2]>,
@@ -66,6 +71,18 @@ pub(super) struct Args {
     /// Most scattering events between camera and light. Without it paths end by Russian roulette.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     max_depth: Option<u32>,
+    /// How light is found: by asking lights, by meeting them with directions drawn from the BRDF, or
+    /// by both, weighed against each other. All have the same mean.
+    #[arg(long, default_value = "mis", value_parser = values::strategy())]
+    strategy: Strategy,
+    /// Which microfacet normals Beckmann and GGX draw: those that the viewer sees, or all that there
+    /// are, as the distribution has them. Phong always draws from all.
+    #[arg(long, default_value = "visible", value_parser = values::normals())]
+    normals: Normals,
+    /// Makes one mistake of the report or the program that burnish grew from, to see what it does:
+    /// the picture is wrong on purpose. `burnish report --errata` measures them all.
+    #[arg(long, value_name = "NAME", value_parser = values::erratum())]
+    erratum: Option<Erratum>,
     /// Exposure of PNG files in stops, -30 to 30.
     #[arg(long, value_name = "EV", default_value = "0",
           value_parser = values::exposure)]
@@ -85,6 +102,9 @@ pub(super) fn run(args: &Args, started: Instant) -> Result<(), Failure> {
         check_writable(path).map_err(Failure::new)?;
     }
     interrupt::listen()?;
+    if let Some(erratum) = args.erratum {
+        warn(erratum, args.model);
+    }
     let loaded = scene::load(args.scene.as_deref())?;
     let traced = trace(args, args.params(&loaded.scene), started)?;
     tell(&traced.snapshot, traced.interrupted);
@@ -108,6 +128,9 @@ impl Args {
         params.model = self.model;
         params.seed = self.seed;
         params.max_depth = self.max_depth;
+        params.strategy = self.strategy;
+        params.normals = self.normals;
+        params.erratum = self.erratum;
         params.size = self.size.unwrap_or(params.size);
         params.camera = self.camera.unwrap_or(params.camera);
         match self.alpha.or(self.exponent) {
@@ -117,9 +140,10 @@ impl Args {
     }
 
     fn goal(&self) -> Goal {
-        match self.time {
-            Some(seconds) => Goal::Time(Duration::from_secs_f64(seconds)),
-            None => Goal::Passes(self.passes),
+        match (self.error, self.time) {
+            (Some(wanted), _) => Goal::Error(StopRule { wanted }),
+            (None, Some(seconds)) => Goal::Time(Duration::from_secs_f64(seconds)),
+            (None, None) => Goal::Passes(self.passes),
         }
     }
 }
@@ -140,10 +164,12 @@ const INTERVAL: Duration = Duration::from_millis(20);
 
 /// Traces until the goal is reached or Ctrl-C is pressed.
 fn trace(args: &Args, params: Params, started: Instant) -> Result<Traced, Failure> {
-    let (limit, time) = match args.goal() {
-        Goal::Passes(passes) => (passes, Duration::MAX),
-        Goal::Time(time) => (Session::MAX_PASSES, time),
+    let limit = match args.goal() {
+        Goal::Passes(passes) => passes,
+        Goal::Time(_) => Session::MAX_PASSES,
+        Goal::Error(_) => StopRule::FIRST,
     };
+    let time = args.time.map_or(Duration::MAX, Duration::from_secs_f64);
     let options = Options { interval: INTERVAL, ..Options::headless(args.threads) };
     let session = Session::with_options(params, limit, options, || {}).map_err(Failure::new)?;
     let mut progress = Progress::start(args.goal());
@@ -157,7 +183,15 @@ fn trace(args: &Args, params: Params, started: Instant) -> Result<Traced, Failur
                 first_image.get_or_insert_with(|| started.elapsed());
             }
             progress.show(&snapshot);
-            if snapshot.state != State::Running {
+            let again = match (args.goal(), &snapshot.state) {
+                (Goal::Error(rule), State::Done) => {
+                    rule.next(snapshot.passes, snapshot.error.as_ref())
+                }
+                _ => None,
+            };
+            if let Some(passes) = again.filter(|_| !stopping) {
+                session.set_limit(passes);
+            } else if snapshot.state != State::Running {
                 let interrupted = snapshot.state == State::Paused && interrupt::came();
                 return Ok(Traced { snapshot, interrupted, first_image });
             }
@@ -180,11 +214,18 @@ fn stats(args: &Args, loaded: &Loaded, traced: &Traced, picture: &Picture) -> St
         paths: snapshot.counts.paths,
         rays: snapshot.counts.rays,
         peak_mib: stats::peak_mib(),
-        est_rel_error: snapshot.error.map(|e| e.relative),
+        est_rel_error: snapshot.error.map(|e| e.relative.value),
+        est_rel_error_limits: snapshot
+            .error
+            .map(|e| [e.relative.interval.low, e.relative.interval.high]),
+        est_reliable: snapshot.error.is_some_and(|e| e.reliable),
         mean: stats::mean(picture),
         nonfinite: snapshot.counts.nonfinite,
         capped: snapshot.counts.capped,
         model: args.model.name(),
+        strategy: args.strategy.name(),
+        normals: args.normals.name(),
+        erratum: args.erratum.map(Erratum::name),
         seed: args.seed,
         isa: loaded.scene.bvh().isa().name(),
         version: env!("CARGO_PKG_VERSION"),
@@ -194,12 +235,28 @@ fn stats(args: &Args, loaded: &Loaded, traced: &Traced, picture: &Picture) -> St
     }
 }
 
+/// Says which mistake is being made, or that it is none with this model.
+fn warn(erratum: Erratum, model: Model) {
+    match erratum.model() {
+        Some(other) if other != model => say(format_args!(
+            "note: {} is about {} and has no effect on {}",
+            erratum.name(),
+            other.title(),
+            model.title()
+        )),
+        _ => say(format_args!("warning: this picture is wrong on purpose: {erratum}")),
+    }
+}
+
 /// What there is to know about a finished render.
 fn tell(snapshot: &Snapshot, interrupted: bool) {
     let early = if interrupted { "stopped by Ctrl-C: " } else { "" };
     let Snapshot { passes, seconds, counts, .. } = snapshot;
     let (done, error) = (progress::passes(*passes), progress::error(snapshot));
     say(format_args!("{early}{done} in {seconds:.2} s{error}"));
+    if snapshot.error.is_some_and(|e| !e.reliable) {
+        say("note: the error is not yet reliable: too few passes, or a handful of pixels owns it");
+    }
     if *passes == 0 {
         say("warning: not every pixel has a sample yet; the rest is black");
     }

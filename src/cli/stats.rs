@@ -27,6 +27,10 @@ pub(super) struct Stats {
     pub(super) peak_mib: Option<f64>,
     /// Estimated relative error of the picture; null before there is an estimate.
     pub(super) est_rel_error: Option<f64>,
+    /// Its 95 % limits.
+    pub(super) est_rel_error_limits: Option<[f64; 2]>,
+    /// Whether these figures can be relied on.
+    pub(super) est_reliable: bool,
     /// Mean radiance over the picture.
     pub(super) mean: [f64; 3],
     /// Samples left out because they were NaN or infinite.
@@ -34,6 +38,11 @@ pub(super) struct Stats {
     /// Paths ended by the safety cap on their length.
     pub(super) capped: u64,
     pub(super) model: &'static str,
+    /// How light was found, and which microfacet normals were drawn.
+    pub(super) strategy: &'static str,
+    pub(super) normals: &'static str,
+    /// The mistake made on purpose; null for none.
+    pub(super) erratum: Option<&'static str>,
     pub(super) seed: u64,
     /// Instruction set of the traversal.
     pub(super) isa: &'static str,

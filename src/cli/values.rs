@@ -1,8 +1,8 @@
 //! From the text of an argument to its value. Errors complete clap's "invalid value" line.
 
-use burnish::brdf::{Model, Roughness};
+use burnish::brdf::{Erratum, Model, Normals, Roughness};
 use burnish::picture::{Curve, Format, Tone};
-use burnish::progressive::Params;
+use burnish::progressive::{Params, Strategy};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -49,6 +49,17 @@ pub(super) fn reflectance(text: &str) -> Result<f32, String> {
     }
 }
 
+/// A relative error, as a part of one or in percent.
+pub(super) fn error(text: &str) -> Result<f64, String> {
+    let (digits, unit) = text.trim().strip_suffix('%').map_or((text, 1.0), |t| (t, 0.01));
+    let error = number::<f64>(digits)? * unit;
+    if (1e-6..=1.0).contains(&error) {
+        Ok(error)
+    } else {
+        Err("expected a relative error from 0.000001 to 1, such as 0.02 or 2%".into())
+    }
+}
+
 /// A length of time above 0.
 pub(super) fn seconds(text: &str) -> Result<f64, String> {
     // The upper end keeps well within what a duration can hold: about 30 years.
@@ -57,6 +68,26 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
         Ok(seconds)
     } else {
         Err("expected seconds above 0 and at most 1e9".into())
+    }
+}
+
+/// Radiance of at least 0 in W/(m² sr).
+pub(super) fn radiance(text: &str) -> Result<f32, String> {
+    let value = number::<f32>(text)?;
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err("expected a finite radiance of at least 0".into())
+    }
+}
+
+/// A number above 0.
+pub(super) fn positive(text: &str) -> Result<f32, String> {
+    let value = number::<f32>(text)?;
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err("expected a number above 0".into())
     }
 }
 
@@ -70,6 +101,52 @@ pub(super) fn picture(text: &str) -> Result<PathBuf, String> {
 /// A model by its lower-case name.
 pub(super) fn model() -> impl TypedValueParser<Value = Model> {
     one_of(Model::ALL, Model::name)
+}
+
+/// A strategy by its lower-case name.
+pub(super) fn strategy() -> impl TypedValueParser<Value = Strategy> {
+    one_of(Strategy::ALL, Strategy::name)
+}
+
+/// A way to draw normals by its lower-case name.
+pub(super) fn normals() -> impl TypedValueParser<Value = Normals> {
+    one_of(Normals::ALL, Normals::name)
+}
+
+/// An erratum by its name.
+pub(super) fn erratum() -> impl TypedValueParser<Value = Erratum> {
+    one_of(Erratum::ALL, Erratum::name)
+}
+
+/// Some of a few things, named in one argument.
+#[derive(Clone, Debug)]
+pub(super) struct Chosen<T>(pub(super) Vec<T>);
+
+/// "all", or names with commas between them.
+pub(super) fn chosen<T: Copy + PartialEq + Send + Sync + 'static, const N: usize>(
+    all: [T; N],
+    name: fn(T) -> &'static str,
+) -> impl Fn(&str) -> Result<Chosen<T>, String> + Clone + Send + Sync + 'static {
+    let names = all.map(name);
+    move |text| {
+        if text == "all" {
+            return Ok(Chosen(all.to_vec()));
+        }
+        let one = |part: &str| {
+            let place = names.iter().position(|name| *name == part);
+            place.map(|i| all[i]).ok_or_else(|| {
+                format!("expected all, or some of {} with commas between", names.join(", "))
+            })
+        };
+        let mut chosen: Vec<T> = Vec::new();
+        for part in text.split(',') {
+            let found = one(part.trim())?;
+            if !chosen.contains(&found) {
+                chosen.push(found);
+            }
+        }
+        Ok(Chosen(chosen))
+    }
 }
 
 /// A tone curve by its lower-case name.
@@ -131,6 +208,10 @@ mod tests {
         for bad in ["0", "-1", "nan", "inf", "1e10"] {
             assert!(seconds(bad).is_err(), "{bad}");
         }
+        for bad in ["0", "-1", "nan", "2", "200%", "%", "1e-9"] {
+            assert!(error(bad).is_err(), "{bad}");
+        }
+        assert_eq!((error("0.02"), error("2 %"), error("1")), (Ok(0.02), Ok(0.02), Ok(1.0)));
         assert_eq!((exposure("-2.5"), seconds("0.25")), (Ok(-2.5), Ok(0.25)));
     }
 }
