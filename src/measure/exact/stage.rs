@@ -4,6 +4,7 @@ use super::ExactError;
 use crate::brdf::Model;
 use crate::progressive::Params;
 use crate::scene::{Camera, Material, MaterialId, Mesh, SceneBuilder, ShapeError};
+use crate::trace::DEPTH_CAP;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
@@ -59,9 +60,10 @@ impl Stage {
     }
 }
 
-/// Relative error of `1 / (1 - albedo)` for an albedo rounded to single precision.
+/// Relative error of a closed room's `1 / (1 - albedo)`: the albedo is rounded to single precision,
+/// and what comes from beyond the cap on a path's length is missing.
 pub(super) fn of_albedo(albedo: f64) -> f64 {
-    f32::EPSILON as f64 * 0.5 / (1.0 - albedo)
+    f32::EPSILON as f64 * 0.5 / (1.0 - albedo) + albedo.powi(DEPTH_CAP as i32)
 }
 
 /// A grey diffuse surface.
