@@ -1,7 +1,7 @@
 //! Rendering a case, and judging what came out.
 
 use super::stage::Stage;
-use super::{Case, ExactError, LeftOut, all};
+use super::{Case, ExactError, LeftOut, Table, all};
 use crate::progressive::{Counts, Options, Params, Session, Snapshot, State};
 
 /// Standard errors that chance is allowed: outside once in 16,000.
@@ -18,15 +18,15 @@ const FIRST: u64 = 16;
 pub struct Budget {
     /// Enough when the standard error is this fraction of the expected value.
     pub relative: f64,
-    /// Paths at most.
-    pub paths: u64,
+    /// Rays that may be spent on a case, about.
+    pub rays: u64,
 }
 
 impl Budget {
     /// Every mean to 1e-3 at four standard errors.
-    pub const FULL: Budget = Budget { relative: 2.5e-4, paths: 1 << 28 };
+    pub const FULL: Budget = Budget { relative: 2.5e-4, rays: 1 << 30 };
     /// A look at each case in some tens of milliseconds: to 1 %.
-    pub const QUICK: Budget = Budget { relative: 2.5e-3, paths: 1 << 20 };
+    pub const QUICK: Budget = Budget { relative: 2.5e-3, rays: 1 << 25 };
 }
 
 /// What the comparison says.
@@ -36,8 +36,8 @@ pub enum Verdict {
     Agrees,
     /// Not so, or samples were not finite.
     Differs,
-    /// Within four standard errors, which the budget's paths left too large to tell more.
-    Noisy,
+    /// Within four standard errors, which the budget's rays left too large for the second rule.
+    Unresolved,
 }
 
 /// A case after its rendering.
@@ -66,8 +66,10 @@ pub struct Outcome {
 pub struct Summary {
     /// Cases rendered.
     pub cases: usize,
-    /// Of those, how many did not agree.
+    /// Of those, how many differ.
     pub failed: usize,
+    /// And how many are unresolved.
+    pub unresolved: usize,
     /// Mean square of the sigmas where noise, not the allowance, decides: about 1 when the standard
     /// errors are true.
     pub mean_square: f64,
@@ -79,22 +81,33 @@ pub struct Summary {
 
 /// Renders every case of [`all`] on all cores, and hands out each as it is done.
 pub fn run_all(budget: Budget, each: &mut dyn FnMut(&Outcome)) -> Result<Summary, ExactError> {
-    let table = all()?;
-    let mut summary = Summary { left_out: table.left_out, ..Summary::default() };
-    let mut squares = 0.0;
-    for case in table.cases {
-        let outcome = case.run(budget)?;
-        summary.cases += 1;
-        summary.failed += usize::from(outcome.verdict != Verdict::Agrees);
-        if outcome.standard_error > 5.0 * outcome.allowance {
-            summary.noisy += 1;
-            let off = outcome.mean - outcome.case.expected;
-            squares += (off / outcome.standard_error).powi(2);
+    all()?.run(budget, each)
+}
+
+impl Table {
+    /// Renders its cases on all cores, and hands out each as it is done.
+    pub fn run(
+        self,
+        budget: Budget,
+        each: &mut dyn FnMut(&Outcome),
+    ) -> Result<Summary, ExactError> {
+        let mut summary = Summary { left_out: self.left_out, ..Summary::default() };
+        let mut squares = 0.0;
+        for case in self.cases {
+            let outcome = case.run(budget)?;
+            summary.cases += 1;
+            summary.failed += usize::from(outcome.verdict == Verdict::Differs);
+            summary.unresolved += usize::from(outcome.verdict == Verdict::Unresolved);
+            if outcome.standard_error > 5.0 * outcome.allowance {
+                let off = outcome.mean - outcome.case.expected;
+                summary.noisy += 1;
+                squares += (off / outcome.standard_error).powi(2);
+            }
+            each(&outcome);
         }
-        each(&outcome);
+        summary.mean_square = squares / summary.noisy.max(1) as f64;
+        Ok(summary)
     }
-    summary.mean_square = squares / summary.noisy.max(1) as f64;
-    Ok(summary)
 }
 
 impl Case {
@@ -114,14 +127,14 @@ impl Case {
     /// Renders on all cores until the budget is met or spent.
     pub fn run(&self, budget: Budget) -> Result<Outcome, ExactError> {
         let stage = self.seeded()?;
-        let pixels: u64 = stage.params.size.iter().map(|&side| side as u64).product();
         let mut passes = FIRST;
         let options = Options::headless(0);
         let session = Session::with_options(stage.params.clone(), passes, options, || {})?;
         loop {
             let snapshot = finished(&session, passes)?;
+            let spent = 2 * snapshot.counts.rays > budget.rays;
             let outcome = self.judge(&stage, budget, &snapshot);
-            if outcome.verdict != Verdict::Noisy || 2 * passes * pixels > budget.paths {
+            if spent || outcome.resolved(budget) {
                 return Ok(outcome);
             }
             passes *= 2;
@@ -135,28 +148,35 @@ impl Case {
         let standard_error = standard_error / stage.share;
         let off = mean - self.expected;
         let allowance = self.error + stage.bound * self.expected;
-        let limit = SIGMAS * budget.relative * self.expected + self.error;
-        let told = SIGMAS * standard_error <= limit;
-        let close = beyond(off, allowance).abs() <= SIGMAS * standard_error;
-        let verdict = if snapshot.counts.nonfinite > 0 || (told && !close) {
-            Verdict::Differs
-        } else if !told {
-            Verdict::Noisy
-        } else if off.abs() <= limit {
-            Verdict::Agrees
-        } else {
-            Verdict::Differs
-        };
-        Outcome {
+        let mut outcome = Outcome {
             mean,
             standard_error,
             allowance,
             sigmas: beyond(off, allowance) / standard_error.max(f64::MIN_POSITIVE),
             relative_error: off / self.expected,
             counts: snapshot.counts,
-            verdict,
+            verdict: Verdict::Unresolved,
             case: self.clone(),
-        }
+        };
+        let close = outcome.sigmas.abs() <= SIGMAS && snapshot.counts.nonfinite == 0;
+        outcome.verdict = match outcome.resolved(budget) {
+            true if close && off.abs() <= outcome.limit(budget) => Verdict::Agrees,
+            false if close => Verdict::Unresolved,
+            _ => Verdict::Differs,
+        };
+        outcome
+    }
+}
+
+impl Outcome {
+    /// How far the mean may be off by the second rule.
+    fn limit(&self, budget: Budget) -> f64 {
+        SIGMAS * budget.relative * self.case.expected + self.case.error
+    }
+
+    /// Whether the noise is small enough to tell.
+    fn resolved(&self, budget: Budget) -> bool {
+        SIGMAS * self.standard_error <= self.limit(budget)
     }
 }
 
