@@ -87,7 +87,7 @@ impl<L: Lane> Lobes<L> {
         let glossy = self.has_specular();
         let (p_specular, g1, pdf_factor) = if glossy.any() {
             let g1 = M::g1_over_cos(self.width, wo);
-            (self.p_specular(wo), g1, M::pdf_factor(self.width, wo))
+            (M::p_specular(self, wo), g1, M::pdf_factor(self.width, wo))
         } else {
             (zero, zero, zero)
         };
@@ -123,9 +123,9 @@ impl<L: Lane> View<L> {
     /// Value and density for a unit direction `wi`; zero unless it and `wo` are above the surface.
     #[inline(always)]
     pub fn eval<M: Microfacet>(&self, wi: V3<L>) -> Evaluation<L> {
-        let above = above(self.wo, wi);
+        let above = above::<M, L>(self.wo, wi);
         if !self.glossy.any() {
-            return self.diffuse_only(wi, above);
+            return self.diffuse_only::<M>(wi, above);
         }
         let h = wi + self.wo;
         let h2 = h.length2();
@@ -142,7 +142,7 @@ impl<L: Lane> View<L> {
         let wo = self.wo;
         if !self.glossy.any() {
             let wi = cosine_hemisphere(u);
-            let e = self.diffuse_only(wi, above(wo, wi));
+            let e = self.diffuse_only::<M>(wi, above::<M, L>(wo, wi));
             return LobeSample { wi, f: e.f, pdf: e.pdf };
         }
         let take_specular = choice.lt(self.p_specular);
@@ -165,16 +165,16 @@ impl<L: Lane> View<L> {
         let cos_over_dot = L::select(take_specular, wm.z / dot, (h.z + h.z) / h2);
         let facing = dot.gt(L::splat(0.0)) | !take_specular;
         let weight = schlick_weight(one_minus_d);
-        let e = self.combine::<M>(wi, d, weight, cos_over_dot, above(wo, wi) & facing);
+        let e = self.combine::<M>(wi, d, weight, cos_over_dot, above::<M, L>(wo, wi) & facing);
         LobeSample { wi, f: e.f, pdf: e.pdf }
     }
 
     /// What [`View::combine`] gives where no lane has a specular lobe.
     #[inline(always)]
-    fn diffuse_only(&self, wi: V3<L>, valid: L::Mask) -> Evaluation<L> {
+    fn diffuse_only<M: Microfacet>(&self, wi: V3<L>, valid: L::Mask) -> Evaluation<L> {
         Evaluation {
             f: self.lobes.kd.map(|kd| (kd * L::splat(INV_PI)).or_zero(valid)),
-            pdf: cosine_hemisphere_pdf(wi.z).or_zero(valid),
+            pdf: cosine_hemisphere_pdf(M::cosine(wi.z)).or_zero(valid),
         }
     }
 
@@ -193,7 +193,7 @@ impl<L: Lane> View<L> {
         let f = diffuse + schlick(self.lobes.ks, weight) * lobe;
         let p = self.p_specular;
         let specular = M::pdf_wi(self.pdf_factor, d, cos_over_dot).or_zero(p.gt(L::splat(0.0)));
-        let pdf = p * specular + (L::splat(1.0) - p) * cosine_hemisphere_pdf(wi.z);
+        let pdf = p * specular + (L::splat(1.0) - p) * cosine_hemisphere_pdf(M::cosine(wi.z));
         let valid = valid & pdf.gt(L::splat(0.0));
         Evaluation { f: f.map(|c| c.or_zero(valid)), pdf: pdf.or_zero(valid) }
     }
@@ -202,7 +202,7 @@ impl<L: Lane> View<L> {
 impl Lobes {
     /// All factors of the red channel's value.
     pub fn terms<M: Microfacet>(&self, wo: V3, wi: V3) -> Terms {
-        if !above(wo, wi) {
+        if !above::<M, f32>(wo, wi) {
             return Terms {
                 d: 0.0,
                 g1i: 0.0,
@@ -219,25 +219,26 @@ impl Lobes {
         let h2 = h.length2();
         let d = M::d(self.width, h);
         let (gi, go) = (M::g1_over_cos(self.width, wi), M::g1_over_cos(self.width, wo));
+        let (g1i, g1o) = (gi * M::cosine(wi.z), go * M::cosine(wo.z));
         let fresnel = schlick(self.ks, schlick_weight(one_minus_dot(wo, wi, h2))).r;
         let lobe = if self.has_specular() { d * (gi * go * 0.25) } else { 0.0 };
         Terms {
             d,
-            g1i: gi * wi.z,
-            g1o: go * wo.z,
-            g: (gi * wi.z) * (go * wo.z),
+            g1i,
+            g1o,
+            g: g1i * g1o,
             fresnel,
             specular: lobe * fresnel,
-            pdf_diffuse: cosine_hemisphere_pdf(wi.z),
+            pdf_diffuse: cosine_hemisphere_pdf(M::cosine(wi.z)),
             pdf_specular: M::pdf_wi(M::pdf_factor(self.width, wo), d, (h.z + h.z) / h2),
-            p_specular: self.p_specular(wo),
+            p_specular: M::p_specular(self, wo),
         }
     }
 }
 
 #[inline(always)]
-fn above<L: Lane>(wo: V3<L>, wi: V3<L>) -> L::Mask {
-    wo.z.gt(L::splat(0.0)) & wi.z.gt(L::splat(0.0))
+fn above<M: Microfacet, L: Lane>(wo: V3<L>, wi: V3<L>) -> L::Mask {
+    M::cosine(wo.z).gt(L::splat(0.0)) & M::cosine(wi.z).gt(L::splat(0.0))
 }
 
 /// `1 - wi.wm` for the half vector `wm`, without cancellation: |wi - wo|² / (4 (1 + d)).

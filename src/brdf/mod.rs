@@ -11,6 +11,9 @@
 //! cosine, forms `1 - cos²`, or normalises a half vector before its angle is known.
 
 mod beckmann;
+mod distribution;
+pub mod errata;
+mod formulas;
 mod fresnel;
 mod ggx;
 mod lobes;
@@ -18,6 +21,9 @@ mod phong;
 mod roughness;
 
 pub use beckmann::Beckmann;
+pub use distribution::{Distribution, Invertible, Normals};
+pub use errata::Erratum;
+pub use formulas::Formulas;
 pub use ggx::Ggx;
 pub use lobes::{Evaluation, LobeSample, Lobes, Terms, View};
 pub use phong::Phong;
@@ -66,6 +72,48 @@ impl Model {
             Model::Beckmann => visitor.visit::<Beckmann>(),
             Model::Ggx => visitor.visit::<Ggx>(),
         }
+    }
+
+    /// The same with its normals drawn this way and with this mistake made. An erratum about
+    /// another model, or about the tracer, leaves the model as it is.
+    ///
+    /// This compiles the work for 21 models. Where that is too much, [`Formulas`] has them all by
+    /// pointer.
+    pub fn visit_with<V: ModelVisitor>(
+        self,
+        normals: Normals,
+        erratum: Option<Erratum>,
+        visitor: V,
+    ) -> V::Output {
+        use errata::models::{BeckmannLog10, GgxDAlpha, GgxGSum, PhongExponent};
+        type All<M> = Distribution<M>;
+        match (self, normals, erratum) {
+            (Model::Beckmann, _, Some(Erratum::BeckmannLog10)) => visitor.visit::<BeckmannLog10>(),
+            (Model::Phong, _, Some(Erratum::PhongExponent)) => visitor.visit::<PhongExponent>(),
+            (Model::Ggx, Normals::Visible, Some(Erratum::GgxGSum)) => {
+                visitor.visit::<GgxGSum<Ggx>>()
+            }
+            (Model::Ggx, Normals::Visible, Some(Erratum::GgxDAlpha)) => {
+                visitor.visit::<GgxDAlpha<Ggx>>()
+            }
+            (Model::Ggx, _, Some(Erratum::GgxGSum)) => visitor.visit::<GgxGSum<All<Ggx>>>(),
+            (Model::Ggx, _, Some(Erratum::GgxDAlpha)) => visitor.visit::<GgxDAlpha<All<Ggx>>>(),
+            (Model::Phong, _, _) => lobe_erratum::<Phong, V>(erratum, visitor),
+            (Model::Beckmann, Normals::Visible, _) => lobe_erratum::<Beckmann, V>(erratum, visitor),
+            (Model::Ggx, Normals::Visible, _) => lobe_erratum::<Ggx, V>(erratum, visitor),
+            (Model::Beckmann, _, _) => lobe_erratum::<All<Beckmann>, V>(erratum, visitor),
+            (Model::Ggx, _, _) => lobe_erratum::<All<Ggx>, V>(erratum, visitor),
+        }
+    }
+}
+
+/// Those of the errata that every model can have.
+fn lobe_erratum<M: Microfacet, V: ModelVisitor>(erratum: Option<Erratum>, visitor: V) -> V::Output {
+    use errata::models::{BelowHorizon, ConstantLobeChoice};
+    match erratum {
+        Some(Erratum::BelowHorizon) => visitor.visit::<BelowHorizon<M>>(),
+        Some(Erratum::ConstantLobeChoice) => visitor.visit::<ConstantLobeChoice<M>>(),
+        _ => visitor.visit::<M>(),
     }
 }
 
@@ -117,6 +165,19 @@ pub trait Microfacet: Copy + Send + Sync + 'static {
     /// from the viewer's [`Microfacet::pdf_factor`], `d` = D(wm) and `cos_over_dot` =
     /// wm.z / (wo.wm). What falls below the horizon is missing from its integral.
     fn pdf_wi<L: Lane>(factor: L, d: L, cos_over_dot: L) -> L;
+
+    /// The cosine that counts, from the signed one: where it is not above 0 there is no light. The
+    /// same for every right model; [an erratum](Erratum::BelowHorizon) takes the absolute value.
+    #[inline(always)]
+    fn cosine<L: Lane>(cos: L) -> L {
+        cos
+    }
+
+    /// The probability of sampling the specular lobe. The same for every right model.
+    #[inline(always)]
+    fn p_specular<L: Lane>(lobes: &Lobes<L>, wo: V3<L>) -> L {
+        lobes.p_specular(wo)
+    }
 }
 
 /// Walter et al. 2007's rational G1 of Beckmann, divided by the cosine. Both Beckmann and Phong

@@ -1,0 +1,174 @@
+//! The wrong models: each wraps a right one and overrides what the erratum is about.
+
+use crate::brdf::{Beckmann, Distribution, Ggx, Lobes, Microfacet, Model, Phong, Width};
+use crate::math::{Lane, V3};
+use std::marker::PhantomData;
+
+/// How many times too large [`GgxDAlpha`] takes the alpha of the denominator.
+pub const ALPHA_FACTOR: f32 = 2.0;
+
+/// `1 / sqrt(ln 10)`: what a logarithm to base 10 does to the width of a Gaussian.
+const LOG10_WIDTH: f32 = 0.659_010_2;
+
+/// [`Erratum::GgxGSum`](super::Erratum::GgxGSum): the value's G alone is wrong. The density of
+/// the visible normals keeps the right one, as it would if it were written by another hand.
+#[derive(Clone, Copy, Debug)]
+pub struct GgxGSum<M = Ggx>(PhantomData<M>);
+
+/// [`Erratum::GgxDAlpha`](super::Erratum::GgxDAlpha): wrong wherever D is read, in the value and
+/// in the density.
+#[derive(Clone, Copy, Debug)]
+pub struct GgxDAlpha<M = Ggx>(PhantomData<M>);
+
+/// [`Erratum::BeckmannLog10`](super::Erratum::BeckmannLog10): draws from `D cos`, as the seed
+/// does; a wrong logarithm has no place in the sampler of visible normals.
+#[derive(Clone, Copy, Debug)]
+pub struct BeckmannLog10;
+
+/// [`Erratum::PhongExponent`](super::Erratum::PhongExponent).
+#[derive(Clone, Copy, Debug)]
+pub struct PhongExponent;
+
+/// [`Erratum::BelowHorizon`](super::Erratum::BelowHorizon).
+#[derive(Clone, Copy, Debug)]
+pub struct BelowHorizon<M>(PhantomData<M>);
+
+/// [`Erratum::ConstantLobeChoice`](super::Erratum::ConstantLobeChoice).
+#[derive(Clone, Copy, Debug)]
+pub struct ConstantLobeChoice<M>(PhantomData<M>);
+
+/// What a wrapper leaves to the model that it wraps.
+macro_rules! right {
+    ($inner:ty: $($item:ident)*) => { $(right!(@ $item $inner);)* };
+    (@ d $inner:ty) => {
+        #[inline(always)]
+        fn d<L: Lane>(width: Width<L>, h: V3<L>) -> L {
+            <$inner>::d(width, h)
+        }
+    };
+    (@ g1_over_cos $inner:ty) => {
+        #[inline(always)]
+        fn g1_over_cos<L: Lane>(width: Width<L>, w: V3<L>) -> L {
+            <$inner>::g1_over_cos(width, w)
+        }
+    };
+    (@ sample_wm $inner:ty) => {
+        #[inline(always)]
+        fn sample_wm<L: Lane>(width: Width<L>, wo: V3<L>, u: [L; 2]) -> V3<L> {
+            <$inner>::sample_wm(width, wo, u)
+        }
+    };
+    (@ pdf $inner:ty) => {
+        #[inline(always)]
+        fn pdf_factor<L: Lane>(width: Width<L>, wo: V3<L>) -> L {
+            <$inner>::pdf_factor(width, wo)
+        }
+        #[inline(always)]
+        fn pdf_wi<L: Lane>(factor: L, d: L, cos_over_dot: L) -> L {
+            <$inner>::pdf_wi(factor, d, cos_over_dot)
+        }
+    };
+}
+
+impl<M: Microfacet> Microfacet for GgxGSum<M> {
+    const MODEL: Model = M::MODEL;
+    right!(M: d sample_wm pdf);
+
+    #[inline(always)]
+    fn g1_over_cos<L: Lane>(width: Width<L>, w: V3<L>) -> L {
+        let (z2, across) = (w.z * w.z, w.x * w.x + w.y * w.y);
+        let sum = z2 * (L::splat(1.0) + width.alpha.sqr()) + across;
+        L::splat(2.0) / (w.z + sum.sqrt())
+    }
+}
+
+impl<M: Microfacet> Microfacet for GgxDAlpha<M> {
+    const MODEL: Model = M::MODEL;
+    right!(M: g1_over_cos sample_wm pdf);
+
+    #[inline(always)]
+    fn d<L: Lane>(width: Width<L>, h: V3<L>) -> L {
+        // The D of the wider alpha, but for the alpha² before it.
+        let wide = Width { alpha: width.alpha * L::splat(ALPHA_FACTOR), ..width };
+        M::d(wide, h) * L::splat(1.0 / (ALPHA_FACTOR * ALPHA_FACTOR))
+    }
+}
+
+impl Microfacet for BeckmannLog10 {
+    const MODEL: Model = Model::Beckmann;
+    right!(Distribution<Beckmann>: d g1_over_cos pdf);
+
+    #[inline(always)]
+    fn sample_wm<L: Lane>(width: Width<L>, wo: V3<L>, u: [L; 2]) -> V3<L> {
+        let narrow = Width { alpha: width.alpha * L::splat(LOG10_WIDTH), ..width };
+        Distribution::<Beckmann>::sample_wm(narrow, wo, u)
+    }
+}
+
+impl Microfacet for PhongExponent {
+    const MODEL: Model = Model::Phong;
+    right!(Phong: d g1_over_cos pdf);
+
+    #[inline(always)]
+    fn sample_wm<L: Lane>(width: Width<L>, wo: V3<L>, u: [L; 2]) -> V3<L> {
+        Phong::sample_wm(Width { exponent: width.exponent - L::splat(1.0), ..width }, wo, u)
+    }
+}
+
+impl<M: Microfacet> Microfacet for BelowHorizon<M> {
+    const MODEL: Model = M::MODEL;
+    right!(M: sample_wm);
+
+    #[inline(always)]
+    fn cosine<L: Lane>(cos: L) -> L {
+        cos.abs()
+    }
+
+    #[inline(always)]
+    fn d<L: Lane>(width: Width<L>, h: V3<L>) -> L {
+        M::d(width, upwards(h))
+    }
+
+    #[inline(always)]
+    fn g1_over_cos<L: Lane>(width: Width<L>, w: V3<L>) -> L {
+        let right = M::g1_over_cos(width, upwards(w));
+        if M::MODEL == Model::Ggx {
+            return right;
+        }
+        // The rational form at a = cot / alpha < 0, divided by |cos|.
+        let b = width.alpha * (w.x * w.x + w.y * w.y).sqrt();
+        let numerator = L::splat(3.535) * b + L::splat(2.181) * w.z;
+        let denominator = b * b + w.z * (L::splat(2.276) * b + L::splat(2.577) * w.z);
+        L::select(w.z.lt(L::splat(0.0)), -(numerator / denominator), right)
+    }
+
+    #[inline(always)]
+    fn pdf_factor<L: Lane>(width: Width<L>, wo: V3<L>) -> L {
+        M::pdf_factor(width, upwards(wo))
+    }
+
+    #[inline(always)]
+    fn pdf_wi<L: Lane>(factor: L, d: L, cos_over_dot: L) -> L {
+        M::pdf_wi(factor, d, cos_over_dot.abs())
+    }
+}
+
+impl<M: Microfacet> Microfacet for ConstantLobeChoice<M> {
+    const MODEL: Model = M::MODEL;
+    right!(M: d g1_over_cos sample_wm pdf);
+
+    #[inline(always)]
+    fn p_specular<L: Lane>(lobes: &Lobes<L>, _wo: V3<L>) -> L {
+        let length = |r: L, g: L, b: L| (r * r + g * g + b * b).sqrt();
+        let (kd, ks) = (lobes.kd, lobes.ks);
+        let (kd, ks) = (length(kd.r, kd.g, kd.b), length(ks.r, ks.g, ks.b));
+        // 0/0 is left out: it says nothing about the choice.
+        (ks / (kd + ks)).or_zero(ks.gt(L::splat(0.0)))
+    }
+}
+
+/// The direction or its mirror image, whichever is above the surface.
+#[inline(always)]
+fn upwards<L: Lane>(w: V3<L>) -> V3<L> {
+    V3::new(w.x, w.y, w.z.abs())
+}
