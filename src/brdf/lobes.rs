@@ -120,6 +120,11 @@ pub struct View<L: Lane = f32> {
 }
 
 impl<L: Lane> View<L> {
+    /// What is seen.
+    pub fn lobes(&self) -> &Lobes<L> {
+        &self.lobes
+    }
+
     /// Value and density for a unit direction `wi`; zero unless it and `wo` are above the surface.
     #[inline(always)]
     pub fn eval<M: Microfacet>(&self, wi: V3<L>) -> Evaluation<L> {

@@ -1,9 +1,9 @@
 //! Everything that a picture depends on.
 
-use crate::brdf::{Model, Roughness};
+use crate::brdf::{Erratum, Model, Normals, Roughness};
 use crate::math::sequence::REPLICATES;
 use crate::scene::{Camera, Material, Scene};
-use crate::trace::Strategy;
+use crate::trace::{Method, Strategy};
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -28,6 +28,10 @@ pub struct Params {
     pub max_depth: Option<u32>,
     /// How light is found.
     pub strategy: Strategy,
+    /// How Beckmann's and GGX's microfacet normals are drawn.
+    pub normals: Normals,
+    /// A mistake made on purpose, to see what it does.
+    pub erratum: Option<Erratum>,
 }
 
 /// Parameters that cannot be rendered.
@@ -81,6 +85,8 @@ impl Params {
             seed: 0,
             max_depth: None,
             strategy: Strategy::Mis,
+            normals: Normals::Visible,
+            erratum: None,
             scene,
         }
     }
@@ -91,6 +97,11 @@ impl Params {
             material.roughness = roughness;
         }
         self
+    }
+
+    /// How light is sampled.
+    pub fn method(&self) -> Method {
+        Method { strategy: self.strategy, normals: self.normals, erratum: self.erratum }
     }
 
     /// Whether these can be rendered.
@@ -128,6 +139,6 @@ impl PartialEq for Params {
             && self.model == o.model
             && self.seed == o.seed
             && self.max_depth == o.max_depth
-            && self.strategy == o.strategy
+            && self.method() == o.method()
     }
 }

@@ -236,12 +236,13 @@ fn failure(epoch: &Epoch, panic: &(dyn std::any::Any + Send)) -> String {
         .unwrap_or_else(|| "no reason given".into());
     let p = &epoch.params;
     format!(
-        "a worker failed: {text}. This is a fault of burnish; to repeat it: scene {}, model {}, seed {}, {}x{}",
+        "a worker failed: {text}. This is a fault of burnish; to repeat it: scene {}, model {}, seed {}, {}x{}, {:?}",
         p.scene.name(),
         p.model.name(),
         p.seed,
         p.size[0],
-        p.size[1]
+        p.size[1],
+        p.method()
     )
 }
 
@@ -255,7 +256,7 @@ impl Epoch {
             params.size,
             params.seed,
             params.max_depth,
-            params.strategy,
+            params.method(),
         );
         let mut shown = Vec::new();
         shown.resize_with(grid.len(), Shown::default);

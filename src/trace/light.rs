@@ -85,7 +85,9 @@ struct Emitter {
 }
 
 impl Lights {
-    pub(super) fn new(scene: &Scene, materials: &[Material]) -> Lights {
+    /// Those of a scene with these materials; `equally` has each asked as often as the others,
+    /// whatever its power.
+    pub(super) fn new(scene: &Scene, materials: &[Material], equally: bool) -> Lights {
         let geometry = scene.geometry();
         let mut emitters = Vec::new();
         let mut powers = Vec::new();
@@ -103,6 +105,9 @@ impl Lights {
         let environment = Rgb::from(scene.environment());
         // The scene fits into a sphere of radius sqrt 3, which the environment fills with light.
         powers.push((environment.luminance() * 4.0 * PI * 3.0) as f64);
+        if equally {
+            powers.iter_mut().for_each(|power| *power = f64::from(*power > 0.0));
+        }
         let total: f64 = powers.iter().sum();
         let mut sum = 0.0;
         let mut cumulative: Vec<f32> = powers
@@ -122,6 +127,11 @@ impl Lights {
     #[inline(always)]
     pub(super) fn environment(&self) -> Rgb {
         self.environment
+    }
+
+    /// How many there are, the environment included if it shines.
+    pub(super) fn count(&self) -> usize {
+        (0..self.cumulative.len()).filter(|&i| self.probability(i) > 0.0).count()
     }
 
     #[inline(always)]

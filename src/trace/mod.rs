@@ -4,10 +4,12 @@
 //! explicitly and samples the BRDF, and weighs the two ways of finding the same light against
 //! each other (Veach 1997), so that every light counts exactly once. Nothing is clamped.
 
+mod errata;
 mod light;
 mod reference;
+mod rules;
 
-use crate::brdf::Lobes;
+use crate::brdf::{Erratum, Lobes, Normals};
 use crate::geometry::Stack;
 use crate::math::Rgb;
 use crate::scene::{Camera, CameraRays, Material, Scene};
@@ -30,6 +32,80 @@ pub enum Strategy {
     BsdfOnly,
 }
 
+impl Strategy {
+    /// All of them, the default first.
+    pub const ALL: [Strategy; 3] = [Strategy::Mis, Strategy::LightOnly, Strategy::BsdfOnly];
+
+    /// Lower-case name, as the command line takes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Strategy::Mis => "mis",
+            Strategy::LightOnly => "light",
+            Strategy::BsdfOnly => "bsdf",
+        }
+    }
+
+    /// As a person writes it.
+    pub fn title(self) -> &'static str {
+        match self {
+            Strategy::Mis => "Both",
+            Strategy::LightOnly => "Lights",
+            Strategy::BsdfOnly => "BRDF",
+        }
+    }
+
+    /// Weight of a light met by a direction of density `pdf`, which asking would have found with
+    /// density `other`.
+    #[inline(always)]
+    fn met(self, pdf: f32, other: f32) -> f32 {
+        match self {
+            Strategy::Mis => power_heuristic(pdf, other),
+            Strategy::LightOnly => 0.0,
+            Strategy::BsdfOnly => 1.0,
+        }
+    }
+
+    /// Weight of a light asked with density `pdf`, which sampling the BRDF would have met with
+    /// density `other`.
+    #[inline(always)]
+    fn asked(self, pdf: f32, other: f32) -> f32 {
+        match self {
+            Strategy::Mis => power_heuristic(pdf, other),
+            Strategy::LightOnly => 1.0,
+            Strategy::BsdfOnly => 0.0,
+        }
+    }
+}
+
+/// The weight of a direction found with density `a` that another strategy finds with density `b`.
+/// The two weights of a pair sum to 1.
+#[inline(always)]
+fn power_heuristic(a: f32, b: f32) -> f32 {
+    let ratio = b / a;
+    1.0 / (1.0 + ratio * ratio)
+}
+
+/// How light is sampled, and with which mistake if any.
+///
+/// The plain method, normals visible and no mistake, runs at full speed. Everything else but the
+/// strategy is for comparison: it runs through a second, slower copy of the same tracer, so that
+/// the first need not ask at every step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Method {
+    /// How light is found.
+    pub strategy: Strategy,
+    /// How Beckmann's and GGX's microfacet normals are drawn.
+    pub normals: Normals,
+    /// A mistake made on purpose.
+    pub erratum: Option<Erratum>,
+}
+
+impl Method {
+    fn is_plain(&self) -> bool {
+        self.normals == Normals::Visible && self.erratum.is_none()
+    }
+}
+
 /// A scene made ready for tracing with given materials, camera and picture size.
 #[derive(Debug)]
 pub struct Tracer {
@@ -39,7 +115,7 @@ pub struct Tracer {
     camera: CameraRays,
     seed: u64,
     max_depth: u32,
-    strategy: Strategy,
+    method: Method,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -70,16 +146,17 @@ impl Tracer {
         size: [u32; 2],
         seed: u64,
         max_depth: Option<u32>,
-        strategy: Strategy,
+        method: Method,
     ) -> Tracer {
         let surfaces = materials.iter().map(Surface::new).collect();
+        let equally = method.erratum == Some(Erratum::FirstAndLastLight);
         Tracer {
             surfaces,
-            lights: Lights::new(&scene, materials),
+            lights: Lights::new(&scene, materials, equally),
             camera: CameraRays::new(camera, scene.placement(), size),
             seed,
             max_depth: max_depth.unwrap_or(u32::MAX),
-            strategy,
+            method,
             scene,
         }
     }

@@ -1,13 +1,14 @@
 //! The path tracer that one reads: one path at a time, plain control flow.
 
-use super::light::{End, Target};
-use super::{DEPTH_CAP, Scratch, Strategy, Tracer};
-use crate::brdf::Microfacet;
+use super::errata::Wrong;
+use super::light::{End, LightSample};
+use super::rules::{Right, Rules};
+use super::{DEPTH_CAP, Scratch, Tracer};
+use crate::brdf::{Microfacet, Model};
 use crate::geometry::{Ray, SurfacePoint, offset_origin};
-use crate::math::lanes::{Kernel, U32, Wide, dispatch};
+use crate::math::lanes::{F32x8, Kernel, U32, Wide, dispatch};
 use crate::math::sequence::{Slot, Stream, pair};
 use crate::math::{Frame, Rgb, V3};
-use std::marker::PhantomData;
 
 /// First scattering event after which a path may be ended by chance.
 const ROULETTE_FROM: u32 = 1;
@@ -23,12 +24,36 @@ const ROULETTE_MOST: f32 = 0.95;
 const SHADOW_END: f32 = 1.0 - 16.0 * f32::EPSILON;
 
 /// A surface met by a path, turned to the viewer.
-struct Vertex {
-    point: SurfacePoint,
+pub(super) struct Vertex {
+    pub(super) point: SurfacePoint,
     ng: V3,
-    frame: Frame,
+    pub(super) frame: Frame,
     /// Towards the viewer, in the frame; z > 0.
-    wo: V3,
+    pub(super) wo: V3,
+}
+
+/// One pass of some pixels, by some rules.
+struct Pixels<'a, R> {
+    tracer: &'a Tracer,
+    pixels: &'a mut dyn Iterator<Item = [u32; 2]>,
+    pass: u64,
+    scratch: &'a mut Scratch,
+    each: &'a mut dyn FnMut(Rgb),
+    rules: R,
+}
+
+impl<R: Rules> Kernel for Pixels<'_, R> {
+    type Output = ();
+    #[inline(always)]
+    fn run<W: Wide>(self) {
+        for [x, y] in self.pixels {
+            let stream = Stream::new(self.tracer.seed, U32(x), U32(y), self.pass);
+            let [dx, dy] = pair::<f32>(&stream, Slot::CAMERA);
+            let ray = self.tracer.camera.ray(x as f32 + dx, y as f32 + dy);
+            let found = self.tracer.radiance::<R, W>(&self.rules, ray, &stream, self.scratch);
+            (self.each)(self.rules.kept(found));
+        }
+    }
 }
 
 impl Tracer {
@@ -51,41 +76,38 @@ impl Tracer {
         scratch: &mut Scratch,
         each: &mut dyn FnMut(Rgb),
     ) {
-        struct Pixels<'a, M> {
-            tracer: &'a Tracer,
-            pixels: &'a mut dyn Iterator<Item = [u32; 2]>,
-            pass: u64,
-            scratch: &'a mut Scratch,
-            each: &'a mut dyn FnMut(Rgb),
-            model: PhantomData<M>,
+        if !self.method.is_plain() {
+            return self.sample_each_otherwise(M::MODEL, pixels, pass, scratch, each);
         }
-        impl<M: Microfacet> Kernel for Pixels<'_, M> {
-            type Output = ();
-            #[inline(always)]
-            fn run<W: Wide>(self) {
-                for [x, y] in self.pixels {
-                    let stream = Stream::new(self.tracer.seed, U32(x), U32(y), self.pass);
-                    let [dx, dy] = pair::<f32>(&stream, Slot::CAMERA);
-                    let ray = self.tracer.camera.ray(x as f32 + dx, y as f32 + dy);
-                    (self.each)(self.tracer.radiance::<M, W>(ray, &stream, self.scratch));
-                }
-            }
-        }
-        let model = PhantomData::<M>;
-        dispatch(
-            self.scene.bvh().isa(),
-            Pixels { tracer: self, pixels, pass, scratch, each, model },
-        )
+        let rules = Right::<M>::default();
+        let isa = self.scene.bvh().isa();
+        dispatch(isa, Pixels { tracer: self, pixels, pass, scratch, each, rules })
+    }
+
+    /// The same by other normals or with a mistake: compiled once for all of them, and for the
+    /// portable instruction set alone.
+    fn sample_each_otherwise(
+        &self,
+        model: Model,
+        pixels: &mut dyn Iterator<Item = [u32; 2]>,
+        pass: u64,
+        scratch: &mut Scratch,
+        each: &mut dyn FnMut(Rgb),
+    ) {
+        let rules = Wrong::new(self, model);
+        Pixels { tracer: self, pixels, pass, scratch, each, rules }.run::<F32x8>()
     }
 
     #[inline(always)]
-    fn radiance<M: Microfacet, W: Wide>(
+    fn radiance<R: Rules, W: Wide>(
         &self,
+        rules: &R,
         mut ray: Ray,
         stream: &Stream<U32>,
         scratch: &mut Scratch,
     ) -> Rgb {
         let geometry = self.scene.geometry();
+        let strategy = self.method.strategy;
         let mut sum = Rgb::BLACK;
         let mut beta = Rgb::splat(1.0);
         // Where the ray left from, with the density of its direction; none for the camera's.
@@ -100,7 +122,8 @@ impl Tracer {
             );
             let Some(hit) = hit else {
                 let weight = from.as_ref().map_or(1.0, |(vertex, pdf)| {
-                    self.met(*pdf, self.lights.environment_pdf(vertex.frame.n.dot(ray.d)))
+                    let other = self.lights.environment_pdf(vertex.frame.n.dot(ray.d));
+                    rules.met(strategy, *pdf, other)
                 });
                 sum += beta * self.lights.environment() * weight;
                 return sum;
@@ -110,7 +133,8 @@ impl Tracer {
             if surface.emits {
                 let weight = from.as_ref().map_or(1.0, |(vertex, pdf)| {
                     let (p, d) = (vertex.point.p, ray.d);
-                    self.met(*pdf, self.lights.pdf(geometry, p, d, hit.primitive, &point, hit.t))
+                    let other = self.lights.pdf(geometry, p, d, hit.primitive, &point, hit.t);
+                    rules.met(strategy, *pdf, other)
                 });
                 sum += beta * surface.emission * weight;
             }
@@ -122,30 +146,30 @@ impl Tracer {
                 return sum;
             }
             let Some(vertex) = Vertex::facing(point, -ray.d) else { return sum };
-            let view = surface.lobes.seen_from::<M>(vertex.wo);
+            let view = rules.seen_from(&surface.lobes, vertex.wo);
             let [lobe_choice, light_choice] = pair::<f32>(stream, Slot::choice(event));
 
             let u = pair::<f32>(stream, Slot::light(event));
-            let light =
-                self.lights.sample(geometry, vertex.point.p, vertex.frame.n, light_choice, u);
+            let choice = rules.light_choice(light_choice);
+            let light = self.lights.sample(geometry, vertex.point.p, vertex.frame.n, choice, u);
             if let Some(light) = light
-                && let Some(wi) = vertex.inwards(light.wi)
+                && let Some(wi) = vertex.inwards(rules, light.wi)
             {
-                let e = view.eval::<M>(wi);
-                let found =
-                    light.radiance * e.f * (wi.z / light.pdf * self.asked(light.pdf, e.pdf));
-                if !found.is_black() && self.sees::<W>(&vertex, light.wi, &light.target, scratch) {
+                let e = rules.eval(&view, wi);
+                let weight = rules.asked(strategy, light.pdf, e.pdf);
+                let found = light.radiance * e.f * (rules.cosine(wi.z) / light.pdf * weight);
+                if !found.is_black() && rules.sees::<W>(self, &vertex, &light, scratch) {
                     sum += beta * found;
                 }
             }
 
             let u = pair::<f32>(stream, Slot::direction(event));
-            let next = view.sample::<M>(lobe_choice, u);
+            let next = rules.sample(&vertex, &view, lobe_choice, u);
             let d = vertex.frame.to_world(next.wi);
-            if next.pdf <= 0.0 || vertex.ng.dot(d) <= 0.0 {
+            if next.pdf <= 0.0 || rules.cosine(vertex.ng.dot(d)) <= 0.0 {
                 return sum;
             }
-            beta *= next.f * (next.wi.z / next.pdf);
+            beta *= next.f * (rules.cosine(next.wi.z) / next.pdf);
             if beta.is_black() {
                 return sum;
             }
@@ -159,46 +183,24 @@ impl Tracer {
                     beta = beta * (1.0 / survival);
                 }
             }
-            ray = Ray { o: vertex.leave(d), d };
+            ray = Ray { o: rules.leave(&vertex, d), d };
             from = Some((vertex, next.pdf));
         }
         sum
     }
 
-    /// Weight of a light met by a direction of density `pdf`, which asking would have found with
-    /// density `other`.
-    #[inline(always)]
-    fn met(&self, pdf: f32, other: f32) -> f32 {
-        match self.strategy {
-            Strategy::Mis => mis(pdf, other),
-            Strategy::LightOnly => 0.0,
-            Strategy::BsdfOnly => 1.0,
-        }
-    }
-
-    /// Weight of a light asked with density `pdf`, which sampling the BRDF would have met with
-    /// density `other`.
-    #[inline(always)]
-    fn asked(&self, pdf: f32, other: f32) -> f32 {
-        match self.strategy {
-            Strategy::Mis => mis(pdf, other),
-            Strategy::LightOnly => 1.0,
-            Strategy::BsdfOnly => 0.0,
-        }
-    }
-
     /// Whether nothing is between a vertex and a point on a light, or infinity.
     #[inline(always)]
-    fn sees<W: Wide>(
+    pub(super) fn sees<R: Rules, W: Wide>(
         &self,
+        rules: &R,
         vertex: &Vertex,
-        wi: V3,
-        target: &Target,
+        light: &LightSample,
         scratch: &mut Scratch,
     ) -> bool {
-        let o = vertex.leave(wi);
-        // From just off one surface to just off the other, but for the rounding of t itself.
-        let (d, t_max) = match target.end(o, wi) {
+        let wi = light.wi;
+        let o = rules.leave(vertex, wi);
+        let (d, t_max) = match light.target.end(o, wi) {
             End::Missed => return false,
             End::Distance(t) => (wi, t),
             // From just off one surface to just off the other, but for the rounding of t itself.
@@ -224,22 +226,15 @@ impl Vertex {
 
     /// A world direction in the frame, where both normals have it on the viewer's side.
     #[inline(always)]
-    fn inwards(&self, wi: V3) -> Option<V3> {
+    fn inwards<R: Rules>(&self, rules: &R, wi: V3) -> Option<V3> {
         let local = self.frame.to_local(wi);
-        (local.z > 0.0 && self.ng.dot(wi) > 0.0).then_some(local)
+        let both = rules.cosine(local.z) > 0.0 && rules.cosine(self.ng.dot(wi)) > 0.0;
+        both.then_some(local)
     }
 
     /// Where a ray in this direction starts.
     #[inline(always)]
-    fn leave(&self, d: V3) -> V3 {
+    pub(super) fn leave(&self, d: V3) -> V3 {
         offset_origin(self.point.p, self.point.error, self.ng, d)
     }
-}
-
-/// Power heuristic: the weight of a direction found with density `a` that another strategy finds
-/// with density `b`. The two weights of a pair sum to 1.
-#[inline(always)]
-fn mis(a: f32, b: f32) -> f32 {
-    let ratio = b / a;
-    1.0 / (1.0 + ratio * ratio)
 }
