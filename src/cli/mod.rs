@@ -4,6 +4,7 @@
 //! (clap's own code). Results go to stdout, all talk to stderr.
 
 mod brdf;
+mod check;
 mod interrupt;
 mod progress;
 mod render;
@@ -38,6 +39,7 @@ struct Args {
 #[derive(Debug, Subcommand)]
 enum Command {
     Brdf(brdf::Args),
+    Check(check::Args),
     Render(Box<render::Args>),
     Report(report::Args),
 }
@@ -49,6 +51,7 @@ pub(crate) fn main() -> ExitCode {
     let result = match args.command {
         None => window::open(args.window),
         Some(Command::Brdf(args)) => brdf::run(&args),
+        Some(Command::Check(args)) => check::run(&args),
         Some(Command::Render(args)) => render::run(&args, started),
         Some(Command::Report(args)) => report::run(&args),
     };

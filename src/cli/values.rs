@@ -1,6 +1,6 @@
 //! From the text of an argument to its value. Errors complete clap's "invalid value" line.
 
-use burnish::brdf::{Model, Roughness};
+use burnish::brdf::{Erratum, Model, Roughness};
 use burnish::picture::{Curve, Format, Tone};
 use burnish::progressive::Params;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -72,6 +72,11 @@ pub(super) fn model() -> impl TypedValueParser<Value = Model> {
     one_of(Model::ALL, Model::name)
 }
 
+/// A mistake by its name.
+pub(super) fn erratum() -> impl TypedValueParser<Value = Erratum> {
+    one_of(Erratum::ALL, Erratum::name)
+}
+
 /// A tone curve by its lower-case name.
 pub(super) fn curve() -> impl TypedValueParser<Value = Curve> {
     one_of(Curve::ALL, Curve::name)
@@ -88,6 +93,18 @@ const MAX_THREADS: u64 = 1024;
 /// How many workers that makes.
 pub(super) fn worker_count(threads: usize) -> usize {
     if threads > 0 { threads } else { std::thread::available_parallelism().map_or(1, |n| n.get()) }
+}
+
+/// A number for a table: three digits where they can be read, else two and a power of ten.
+pub(super) fn figure(x: f64) -> String {
+    let size = x.abs();
+    if x == 0.0 || (0.01..1e4).contains(&size) && x.fract() == 0.0 {
+        format!("{x}")
+    } else if (0.01..1e3).contains(&size) {
+        format!("{x:.3}")
+    } else {
+        format!("{x:.1e}")
+    }
 }
 
 fn one_of<T, const N: usize>(

@@ -164,7 +164,7 @@ fn tan2_of(lobe: &Reference, v: f64, rest: f64) -> f64 {
 
 /// Gauss points of [0, 1] drawn towards both ends by `sin²`, which takes square-root ends away:
 /// place, 1 - place, weight.
-fn soft_points(n: usize) -> Vec<[f64; 3]> {
+pub(super) fn soft_points(n: usize) -> Vec<[f64; 3]> {
     gauss(n)
         .iter()
         .map(|&[x, weight]| {
