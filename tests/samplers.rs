@@ -3,7 +3,7 @@
 mod support;
 
 use burnish::brdf::{
-    Beckmann, Ggx, Lobes, Microfacet, Model, ModelVisitor, Phong, Roughness, Width,
+    Beckmann, Distribution, Ggx, Lobes, Microfacet, Model, ModelVisitor, Phong, Roughness, Width,
 };
 use burnish::math::{Rgb, V3, warp};
 use std::f64::consts::{PI, TAU};
@@ -104,6 +104,27 @@ fn beckmann_visible_normals_map_back_to_uniform_numbers() {
     }
 }
 
+/// Normals drawn from D cos: the distribution functions of tan² are 1 - exp(-tan²/alpha²) and
+/// tan² / (alpha² + tan²), whoever looks.
+#[test]
+fn normals_of_the_distribution_map_back_to_uniform_numbers() {
+    for alpha in ALPHAS {
+        let wo = viewer(0.1, 0.7);
+        let a2 = (width(alpha).alpha as f64).powi(2);
+        let tan2 = |m: &[f64; 3]| (m[0] * m[0] + m[1] * m[1]) / (m[2] * m[2]) / a2;
+        let beckmann = normals::<Distribution<Beckmann>>(width(alpha), wo, 9);
+        let ggx = normals::<Distribution<Ggx>>(width(alpha), wo, 10);
+        let heights = beckmann.iter().map(|m| (-tan2(m)).exp()).collect();
+        assert_uniform(&format!("all of beckmann {alpha} height"), heights);
+        let heights = ggx.iter().map(|m| 1.0 / (1.0 + tan2(m))).collect();
+        assert_uniform(&format!("all of ggx {alpha} height"), heights);
+        for (name, ms) in [("beckmann", beckmann), ("ggx", ggx)] {
+            let turns = ms.iter().map(|m| turn(m[1], m[0])).collect();
+            assert_uniform(&format!("all of {name} {alpha} turn"), turns);
+        }
+    }
+}
+
 fn normalize(v: [f64; 3]) -> [f64; 3] {
     let n = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
     v.map(|x| x / n)
@@ -166,6 +187,23 @@ fn directions_follow_the_density_of_the_mixture() {
                     assert!(sigmas < 4.5, "{case}: chi-square {sigmas} sigmas");
                     assert!(total < 1.0 + 1e-3, "{case}: density integrates to {total}");
                 }
+            }
+        }
+    }
+}
+
+#[test]
+fn directions_of_the_distributions_normals_follow_their_density() {
+    for alpha in [0.15, 0.3, 0.6, 1.0] {
+        for cos in [0.999, 0.7, 0.3] {
+            let lobes = Lobes { kd: Rgb::BLACK, ks: Rgb::splat(0.8), width: width(alpha) };
+            let directions = || Directions { lobes, wo: viewer(cos, 0.4) };
+            let beckmann = directions().visit::<Distribution<Beckmann>>();
+            let ggx = directions().visit::<Distribution<Ggx>>();
+            for (name, (sigmas, total)) in [("beckmann", beckmann), ("ggx", ggx)] {
+                let case = format!("{name} {alpha} {cos}");
+                assert!(sigmas < 4.5, "{case}: chi-square {sigmas} sigmas");
+                assert!(total < 1.0 + 1e-3, "{case}: density integrates to {total}");
             }
         }
     }

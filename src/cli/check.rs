@@ -1,5 +1,6 @@
 //! `burnish check`: the proofs of the models, as a table.
 
+use super::figures::significant;
 use super::{Failure, print, say, values};
 use burnish::brdf::{Erratum, Model, Normals, Roughness};
 use burnish::measure::check::{Bound, Effort, Proof, Subject, prove};
@@ -119,8 +120,8 @@ impl Table {
         match roughnesses {
             [r] => print(format_args!(
                 "{title} at alpha {} (a_p {})",
-                values::figure(r.alpha()),
-                values::figure(r.exponent())
+                significant(r.alpha(), 4),
+                significant(r.exponent(), 4)
             ))?,
             _ => print(format_args!("{title}, the worst of {} roughnesses", roughnesses.len()))?,
         }
@@ -131,8 +132,8 @@ impl Table {
         ))?;
         for (proof, subject) in &self.rows {
             let bound = match proof.bound {
-                Bound::AtMost(most) => format!("<= {}", values::figure(most)),
-                Bound::AtLeast(least) => format!(">= {}", values::figure(least)),
+                Bound::AtMost(most) => format!("<= {}", digits(most)),
+                Bound::AtLeast(least) => format!(">= {}", digits(least)),
             };
             let verdict = if proof.holds() { "holds" } else { "FAILS" };
             let at =
@@ -140,7 +141,7 @@ impl Table {
             print(format_args!(
                 "  {:<27}{:>9}  {bound:<11}{verdict:<8}{at}{}",
                 proof.name,
-                values::figure(proof.figure),
+                digits(proof.figure),
                 proof.says
             ))?;
         }
@@ -156,4 +157,9 @@ fn worse(a: &Proof, b: &Proof) -> bool {
             Bound::AtMost(_) => a.figure > b.figure,
             Bound::AtLeast(_) => a.figure < b.figure,
         }
+}
+
+/// A figure, a whole number as one.
+fn digits(figure: f64) -> String {
+    if figure.fract() == 0.0 { significant(figure, 1) } else { significant(figure, 2) }
 }

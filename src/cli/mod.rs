@@ -5,6 +5,8 @@
 
 mod brdf;
 mod check;
+mod compare;
+mod figures;
 mod interrupt;
 mod progress;
 mod render;
@@ -40,6 +42,7 @@ struct Args {
 enum Command {
     Brdf(brdf::Args),
     Check(check::Args),
+    Compare(compare::Args),
     Render(Box<render::Args>),
     Report(report::Args),
 }
@@ -52,6 +55,7 @@ pub(crate) fn main() -> ExitCode {
         None => window::open(args.window),
         Some(Command::Brdf(args)) => brdf::run(&args),
         Some(Command::Check(args)) => check::run(&args),
+        Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::Render(args)) => render::run(&args, started),
         Some(Command::Report(args)) => report::run(&args),
     };

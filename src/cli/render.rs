@@ -5,9 +5,9 @@ use super::scene::{self, Loaded};
 use super::snapshots::next;
 use super::stats::{self, Stats};
 use super::{Failure, interrupt, say, values};
-use burnish::brdf::{Model, Roughness};
+use burnish::brdf::{Erratum, Model, Normals, Roughness};
 use burnish::picture::{self, Curve, Picture, Tone, check_writable};
-use burnish::progressive::{Options, Params, Session, Snapshot, State};
+use burnish::progressive::{Options, Params, Session, Snapshot, State, Strategy};
 use burnish::scene::{Camera, Scene};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -66,6 +66,18 @@ pub(super) struct Args {
     /// Most scattering events between camera and light. Without it paths end by Russian roulette.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     max_depth: Option<u32>,
+    /// How light is found: by asking lights, by meeting them with directions drawn from the BRDF, or
+    /// by both, weighed against each other. All have the same mean.
+    #[arg(long, default_value = "mis", value_parser = values::strategy())]
+    strategy: Strategy,
+    /// Which microfacet normals Beckmann and GGX draw: those that the viewer sees, or all that there
+    /// are, as the distribution has them. Phong always draws from all.
+    #[arg(long, default_value = "visible", value_parser = values::normals())]
+    normals: Normals,
+    /// Makes one mistake of the report or the program that burnish grew from, to see what it does:
+    /// the picture is wrong on purpose. `burnish report --errata` measures them all.
+    #[arg(long, value_name = "NAME", value_parser = values::erratum())]
+    erratum: Option<Erratum>,
     /// Exposure of PNG files in stops, -30 to 30.
     #[arg(long, value_name = "EV", default_value = "0",
           value_parser = values::exposure)]
@@ -85,6 +97,9 @@ pub(super) fn run(args: &Args, started: Instant) -> Result<(), Failure> {
         check_writable(path).map_err(Failure::new)?;
     }
     interrupt::listen()?;
+    if let Some(erratum) = args.erratum {
+        warn(erratum, args.model);
+    }
     let loaded = scene::load(args.scene.as_deref())?;
     let traced = trace(args, args.params(&loaded.scene), started)?;
     tell(&traced.snapshot, traced.interrupted);
@@ -108,6 +123,9 @@ impl Args {
         params.model = self.model;
         params.seed = self.seed;
         params.max_depth = self.max_depth;
+        params.strategy = self.strategy;
+        params.normals = self.normals;
+        params.erratum = self.erratum;
         params.size = self.size.unwrap_or(params.size);
         params.camera = self.camera.unwrap_or(params.camera);
         match self.alpha.or(self.exponent) {
@@ -185,12 +203,28 @@ fn stats(args: &Args, loaded: &Loaded, traced: &Traced, picture: &Picture) -> St
         nonfinite: snapshot.counts.nonfinite,
         capped: snapshot.counts.capped,
         model: args.model.name(),
+        strategy: args.strategy.name(),
+        normals: args.normals.name(),
+        erratum: args.erratum.map(Erratum::name),
         seed: args.seed,
         isa: loaded.scene.bvh().isa().name(),
         version: env!("CARGO_PKG_VERSION"),
         width: picture.width,
         height: picture.height,
         threads: values::worker_count(args.threads),
+    }
+}
+
+/// Says which mistake is being made, or that it is none with this model.
+fn warn(erratum: Erratum, model: Model) {
+    match erratum.model() {
+        Some(other) if other != model => say(format_args!(
+            "note: {} is about {} and has no effect on {}",
+            erratum.name(),
+            other.title(),
+            model.title()
+        )),
+        _ => say(format_args!("warning: this picture is wrong on purpose: {erratum}")),
     }
 }
 

@@ -34,6 +34,11 @@ pub(super) struct Stats {
     /// Paths ended by the safety cap on their length.
     pub(super) capped: u64,
     pub(super) model: &'static str,
+    /// How light was found, and which microfacet normals were drawn.
+    pub(super) strategy: &'static str,
+    pub(super) normals: &'static str,
+    /// The mistake made on purpose; null for none.
+    pub(super) erratum: Option<&'static str>,
     pub(super) seed: u64,
     /// Instruction set of the traversal.
     pub(super) isa: &'static str,

@@ -1,8 +1,8 @@
 //! From the text of an argument to its value. Errors complete clap's "invalid value" line.
 
-use burnish::brdf::{Erratum, Model, Roughness};
+use burnish::brdf::{Erratum, Model, Normals, Roughness};
 use burnish::picture::{Curve, Format, Tone};
-use burnish::progressive::Params;
+use burnish::progressive::{Params, Strategy};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -60,6 +60,26 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Radiance of at least 0 in W/(m² sr).
+pub(super) fn radiance(text: &str) -> Result<f32, String> {
+    let value = number::<f32>(text)?;
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err("expected a finite radiance of at least 0".into())
+    }
+}
+
+/// A number above 0.
+pub(super) fn positive(text: &str) -> Result<f32, String> {
+    let value = number::<f32>(text)?;
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err("expected a number above 0".into())
+    }
+}
+
 /// A file whose name says which kind of picture it is to be.
 pub(super) fn picture(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
@@ -72,9 +92,50 @@ pub(super) fn model() -> impl TypedValueParser<Value = Model> {
     one_of(Model::ALL, Model::name)
 }
 
-/// A mistake by its name.
+/// A strategy by its lower-case name.
+pub(super) fn strategy() -> impl TypedValueParser<Value = Strategy> {
+    one_of(Strategy::ALL, Strategy::name)
+}
+
+/// A way to draw normals by its lower-case name.
+pub(super) fn normals() -> impl TypedValueParser<Value = Normals> {
+    one_of(Normals::ALL, Normals::name)
+}
+
+/// An erratum by its name.
 pub(super) fn erratum() -> impl TypedValueParser<Value = Erratum> {
     one_of(Erratum::ALL, Erratum::name)
+}
+
+/// Some of a few things, named in one argument.
+#[derive(Clone, Debug)]
+pub(super) struct Chosen<T>(pub(super) Vec<T>);
+
+/// "all", or names with commas between them.
+pub(super) fn chosen<T: Copy + PartialEq + Send + Sync + 'static, const N: usize>(
+    all: [T; N],
+    name: fn(T) -> &'static str,
+) -> impl Fn(&str) -> Result<Chosen<T>, String> + Clone + Send + Sync + 'static {
+    let names = all.map(name);
+    move |text| {
+        if text == "all" {
+            return Ok(Chosen(all.to_vec()));
+        }
+        let one = |part: &str| {
+            let place = names.iter().position(|name| *name == part);
+            place.map(|i| all[i]).ok_or_else(|| {
+                format!("expected all, or some of {} with commas between", names.join(", "))
+            })
+        };
+        let mut chosen: Vec<T> = Vec::new();
+        for part in text.split(',') {
+            let found = one(part.trim())?;
+            if !chosen.contains(&found) {
+                chosen.push(found);
+            }
+        }
+        Ok(Chosen(chosen))
+    }
 }
 
 /// A tone curve by its lower-case name.
@@ -93,18 +154,6 @@ const MAX_THREADS: u64 = 1024;
 /// How many workers that makes.
 pub(super) fn worker_count(threads: usize) -> usize {
     if threads > 0 { threads } else { std::thread::available_parallelism().map_or(1, |n| n.get()) }
-}
-
-/// A number for a table: three digits where they can be read, else two and a power of ten.
-pub(super) fn figure(x: f64) -> String {
-    let size = x.abs();
-    if x == 0.0 || (0.01..1e4).contains(&size) && x.fract() == 0.0 {
-        format!("{x}")
-    } else if (0.01..1e3).contains(&size) {
-        format!("{x:.3}")
-    } else {
-        format!("{x:.1e}")
-    }
 }
 
 fn one_of<T, const N: usize>(

@@ -135,8 +135,8 @@ impl Erratum {
                 model: Some(Model::Ggx),
                 wrong: "D = a_g² / (pi cos⁴ (a_b² + tan²)²), here with a_b = 2 a_g",
                 right: "a_g in both places, or D cos does not integrate to 1 but to (a_g / a_b)²",
-                shows: "Highlights of lamps are four times too faint and too wide; what the lobe's \
-                        own samples meet stays, for D cancels there.",
+                shows: "Lamps' highlights are twice as wide and 16 times too faint in the middle; \
+                        what the lobe's own samples meet stays, for D cancels there.",
             },
             Erratum::BeckmannLog10 => About {
                 name: "beckmann-log10",

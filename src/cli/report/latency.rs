@@ -6,13 +6,18 @@ use crate::cli::{Failure, print, scene, values};
 use burnish::brdf::Roughness;
 use burnish::picture::Tone;
 use burnish::progressive::{Params, Session, Snapshot, TILE};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Measures and prints.
+/// Measures and prints, scene by scene.
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let loaded = scene::load(args.scene.as_deref())?;
+    args.scenes().into_iter().try_for_each(|path| measure(args, path))
+}
+
+fn measure(args: &Args, path: Option<&Path>) -> Result<(), Failure> {
+    let loaded = scene::load(path)?;
     let mut params = Params::new(loaded.scene);
-    params.size = args.size;
+    params.size = args.size.unwrap_or([1600, 1200]);
     let session = Session::start(params.clone(), Session::MAX_PASSES, args.threads, || {})
         .map_err(Failure::new)?;
     let mut screen = Screen::new();
@@ -22,7 +27,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         params = params.with_roughness(roughness(change)?);
         times.push(change_to_picture(&session, &params, &mut screen)?);
     }
-    let [w, h] = args.size;
+    let [w, h] = params.size;
     let (changes, threads) = (args.changes, values::worker_count(args.threads));
     print(format_args!("{changes} changes of roughness, {w}x{h}, {threads} worker threads"))?;
     print(summary("first changed picture, coarse or fine, tone-mapped", &mut times))?;

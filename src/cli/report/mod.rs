@@ -1,35 +1,53 @@
 //! `burnish report`: figures about the program itself. One file a kind of figure.
 
 mod latency;
+mod sheet;
+mod speed;
+mod table;
 
 use super::{Failure, values};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// Measures this program on this machine.
+/// Measures this program on this machine: how the error falls with time, or with --latency how
+/// soon a change is seen.
 #[derive(Debug, clap::Args)]
 #[command(allow_negative_numbers = true)]
 #[command(after_help = "Examples:
-  burnish report --latency
+  burnish report table.scn --plot table.svg --csv table.csv
+  burnish report --model ggx --strategy mis,bsdf --passes 256 --size 640x480
+  burnish report furnace.scn --exact 1 --seconds 5
   burnish report --latency table.scn --size 1600x1200 --changes 200")]
 pub(super) struct Args {
-    /// From a change of roughness to the tone-mapped picture that shows it.
-    #[arg(long, required = true)]
+    /// Scenes to render: .scn, .obj or .ply files. The built-in scene without one.
+    scenes: Vec<PathBuf>,
+    /// Measures the time from a change of roughness to the tone-mapped picture that shows it.
+    #[arg(long)]
     latency: bool,
-    /// Scene to render: a .scn, .obj or .ply file. The built-in scene without one.
-    scene: Option<PathBuf>,
-    /// Width and height in pixels.
-    #[arg(long, value_name = "WxH", default_value = "1600x1200", value_parser = values::size)]
-    size: [u32; 2],
     /// How many changes.
-    #[arg(long, value_name = "N", default_value_t = 200,
+    #[arg(long, value_name = "N", default_value_t = 200, requires = "latency",
           value_parser = clap::value_parser!(u32).range(1..=100_000))]
     changes: u32,
+    /// Width and height in pixels; 320x240, with --latency 1600x1200 without it.
+    #[arg(long, value_name = "WxH", value_parser = values::size)]
+    size: Option<[u32; 2]>,
     /// Worker threads; 0 is one a core.
     #[arg(long, value_name = "T", default_value_t = 0, value_parser = values::threads())]
     threads: usize,
+    #[command(flatten)]
+    speed: speed::Args,
 }
 
 /// Measures and prints.
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    latency::run(args)
+    if args.latency { latency::run(args) } else { speed::run(args) }
+}
+
+impl Args {
+    /// The scenes to measure; `None` is the built-in one.
+    fn scenes(&self) -> Vec<Option<&Path>> {
+        match &self.scenes[..] {
+            [] => vec![None],
+            scenes => scenes.iter().map(|path| Some(path.as_path())).collect(),
+        }
+    }
 }

@@ -1,0 +1,127 @@
+//! `burnish compare`: how far one picture is from another.
+
+use super::figures::significant;
+use super::{Failure, print, values};
+use burnish::measure::difference::{self, Difference};
+use burnish::measure::error::{ALL, MEAN_ERROR, Pair, REFERENCE_NOISE, Reference};
+use burnish::measure::flip::{self, Flip};
+use burnish::picture::{Curve, Picture, Tone, check_writable, read_exr, write};
+use std::path::{Path, PathBuf};
+
+/// Measures how far a picture is from a reference, each number with its formula.
+#[derive(Debug, clap::Args)]
+#[command(allow_negative_numbers = true)]
+#[command(after_help = "Examples:
+  burnish compare fast.exr converged.exr
+  burnish compare fast.exr converged.exr -o difference.png --flip seen.png --exposure -1")]
+pub(super) struct Args {
+    /// Picture to judge, an OpenEXR file: x in the formulas.
+    picture: PathBuf,
+    /// Picture to hold it against, an OpenEXR file of the same size: r in the formulas.
+    reference: PathBuf,
+    /// Writes where they differ, in false colours: white where not, red where the picture is too
+    /// bright, blue where it is too dark.
+    #[arg(short, long = "output", value_name = "FILE", value_parser = values::picture)]
+    output: Option<PathBuf>,
+    /// The relative difference of the full colours of --output. Without it, what 99 % of the
+    /// pixels do not exceed.
+    #[arg(long, value_name = "D", requires = "output", value_parser = values::positive)]
+    scale: Option<f32>,
+    /// Writes where a person sees a difference (FLIP), from black, not at all, to pale yellow.
+    #[arg(long, value_name = "FILE", value_parser = values::picture)]
+    flip: Option<PathBuf>,
+    /// Exposure in stops at which FLIP sees both, -30 to 30.
+    #[arg(long, value_name = "EV", default_value = "0", value_parser = values::exposure)]
+    exposure: f32,
+    /// Tone curve through which FLIP sees both.
+    #[arg(long, value_name = "CURVE", default_value = "srgb", value_parser = values::curve())]
+    tone: Curve,
+}
+
+/// Measures, prints and writes.
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    for path in args.output.iter().chain(&args.flip) {
+        check_writable(path).map_err(Failure::new)?;
+    }
+    let picture = read(&args.picture)?;
+    let reference = Reference::known(read(&args.reference)?);
+    let pair = Pair::new(&picture, &reference).map_err(Failure::new)?;
+    let tone = Tone { exposure: args.exposure, curve: args.tone };
+    let seen = Flip::tone_mapped(&pair, tone);
+    print_measures(args, &pair, &seen)?;
+    if let Some(path) = &args.output {
+        let difference = Difference::new(&pair);
+        let scale = args.scale.unwrap_or_else(|| difference.scale());
+        save(path, &difference.false_colour(scale))?;
+        print(format_args!(
+            "{}: {}; blue -{end} or less, white 0, red +{end} or more, magenta undefined",
+            path.display(),
+            difference::FORMULA,
+            end = significant(scale.into(), 3)
+        ))?;
+    }
+    if let Some(path) = &args.flip {
+        let colours = seen.and_then(|flip| flip.false_colour()).map_err(Failure::new)?;
+        save(path, &colours)?;
+        print(format_args!(
+            "{}: FLIP of every pixel; black 0, violet 0.3, orange 0.7, pale yellow 1",
+            path.display()
+        ))?;
+    }
+    Ok(())
+}
+
+fn print_measures(args: &Args, pair: &Pair, seen: &Result<Flip, String>) -> Result<(), Failure> {
+    let Picture { width, height, .. } = pair.picture();
+    let (x, r) = (args.picture.display(), args.reference.display());
+    print(format_args!(
+        "x = {x}, r = {r}, {width}x{height}; s = 0, for r's own noise is not known"
+    ))?;
+    match pair.left_out() {
+        0 => {}
+        n => print(format_args!("left out: {n} pixels with NaN or infinity in x or r"))?,
+    }
+    let row = |name: &str, value: &str, formula: &str| {
+        print(format_args!("{name:<22}{value:>12}   {formula}"))
+    };
+    // The noise of a picture from a file is not known: its row would say 0.
+    for measure in ALL.iter().filter(|m| m.column != REFERENCE_NOISE.column) {
+        row(measure.name, &figure(measure.of(pair)), measure.formula)?;
+        if measure.column == MEAN_ERROR.column {
+            let margin = pair.mean_error_margin().unwrap_or(f64::NAN);
+            let how = "95 %, from the spread of the means of 8x8 blocks";
+            row("    +- interval", &figure(margin), how)?;
+        }
+    }
+    for (name, flip, formula) in
+        [("FLIP", seen, flip::FORMULA), ("HDR-FLIP", &Flip::hdr(pair), flip::HDR_FORMULA)]
+    {
+        match flip {
+            Ok(flip) => row(name, &figure(flip.mean()), formula)?,
+            Err(why) => row(name, "-", &format!("no answer: {why}"))?,
+        }
+    }
+    Ok(())
+}
+
+/// Five digits are enough to tell two runs apart.
+fn figure(value: f64) -> String {
+    significant(value, 5)
+}
+
+/// Pictures of radiance alone can be measured: a PNG file has been through a tone curve.
+fn read(path: &Path) -> Result<Picture, Failure> {
+    let exr = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+    if !exr {
+        return Err(Failure::new(format_args!(
+            "{}: only OpenEXR pictures (.exr) can be compared, which hold radiance; \
+             `burnish render -o picture.exr` writes one",
+            path.display()
+        )));
+    }
+    read_exr(path).map_err(Failure::new)
+}
+
+fn save(path: &Path, colours: &Picture) -> Result<(), Failure> {
+    write(path, colours, Tone::default()).map_err(Failure::new)
+}

@@ -1,0 +1,191 @@
+//! `burnish report SCENE...`: speed against error.
+
+use super::{sheet, table};
+use crate::cli::values::{self, Chosen, chosen};
+use crate::cli::{Failure, print, say, scene, stats};
+use burnish::brdf::{Model, Normals};
+use burnish::measure::error::{REL_RMSE, Reference};
+use burnish::measure::plot::{Curve, Dot, Panel, log_log};
+use burnish::measure::speed::{Checkpoint, Experiment, Plan, Stage, Summary, Truth, Variant};
+use burnish::picture::{check_writable, read_exr, replace_file};
+use burnish::progressive::{Params, Session, Strategy};
+use std::path::{Path, PathBuf};
+
+/// What is measured against what.
+#[derive(Debug, clap::Args)]
+#[group(id = "speed", multiple = true, conflicts_with_all = ["latency", "changes"])]
+pub(super) struct Args {
+    /// Which BRDFs: all, or some of phong, beckmann, ggx with commas between.
+    #[arg(long, value_name = "MODELS", default_value = "all",
+          value_parser = chosen(Model::ALL, Model::name))]
+    model: Chosen<Model>,
+    /// How light is found: all, or some of mis, light, bsdf with commas between.
+    #[arg(long, value_name = "STRATEGIES", default_value = "all",
+          value_parser = chosen(Strategy::ALL, Strategy::name))]
+    strategy: Chosen<Strategy>,
+    /// How Beckmann's and GGX's microfacet normals are drawn: all, visible, or distribution, which
+    /// a slower copy of the tracer does.
+    #[arg(long, value_name = "NORMALS", default_value = "visible",
+          value_parser = chosen(Normals::ALL, Normals::name))]
+    normals: Chosen<Normals>,
+    /// Passes of the last checkpoint; the others are the powers of 2 below.
+    #[arg(long, value_name = "N", default_value_t = 64,
+          value_parser = clap::value_parser!(u64).range(1..=Session::MAX_PASSES))]
+    passes: u64,
+    /// Ends a curve before a checkpoint that would come after so many seconds.
+    #[arg(long, value_name = "S", value_parser = values::seconds)]
+    seconds: Option<f64>,
+    /// How often everything is measured; medians of fewer than 5 tell little.
+    #[arg(long, value_name = "R", default_value_t = 5,
+          value_parser = clap::value_parser!(u32).range(1..=1000))]
+    repeats: u32,
+    /// Seed of the first repeat; the others have the next ones, the reference one far away.
+    #[arg(long, value_name = "K", default_value_t = 0)]
+    seed: u64,
+    /// Passes of the reference, rendered for each model with MIS; 16 times --passes without it.
+    #[arg(long, value_name = "N", conflicts_with_all = ["reference", "exact"],
+          value_parser = clap::value_parser!(u64).range(4..=Session::MAX_PASSES))]
+    reference_passes: Option<u64>,
+    /// Takes this picture for right instead, an OpenEXR file of the size of --size, for all models.
+    #[arg(long, value_name = "FILE.exr", conflicts_with = "exact")]
+    reference: Option<PathBuf>,
+    /// Takes this radiance for right instead, in every channel of every pixel: a furnace.
+    #[arg(long, value_name = "L", value_parser = values::radiance)]
+    exact: Option<f32>,
+    /// Writes every checkpoint of every repeat as a table, a row each.
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Plots the relative RMSE over the seconds as SVG.
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
+}
+
+/// What came of one scene.
+pub(super) struct Measured {
+    pub(super) scene: String,
+    pub(super) plan: Plan,
+    /// What was held to be right, in words.
+    pub(super) truth: String,
+    pub(super) experiment: Experiment,
+    pub(super) summaries: Vec<Summary>,
+    /// Most memory the program held so far, in MiB, where the system tells.
+    pub(super) peak_mib: Option<f64>,
+}
+
+/// Measures, prints and writes.
+pub(super) fn run(args: &super::Args) -> Result<(), Failure> {
+    let options = &args.speed;
+    for path in options.csv.iter().chain(&options.plot) {
+        check_writable(path).map_err(Failure::new)?;
+    }
+    let mut all = Vec::new();
+    for path in args.scenes() {
+        let measured = measure(args, path)?;
+        print(table::of(&measured))?;
+        all.push(measured);
+    }
+    print(table::legend())?;
+    if let Some(path) = &options.csv {
+        sheet::write(path, &all)?;
+    }
+    if let Some(path) = &options.plot {
+        let panels: Vec<Panel> = all.iter().map(panel).collect();
+        let svg = log_log(&panels).map_err(Failure::new)?;
+        replace_file(path, |sink| sink.write_all(svg.as_bytes())).map_err(Failure::new)?;
+    }
+    Ok(())
+}
+
+fn measure(args: &super::Args, path: Option<&Path>) -> Result<Measured, Failure> {
+    let scene = scene::load(path)?.scene;
+    let plan = args.speed.plan(args, Params::new(scene.clone()));
+    let (truth, words) = args.speed.truth(plan.base.size)?;
+    let watch = |stage| match stage {
+        Stage::Reference(model) => say(format_args!("reference for {}: {words}", model.title())),
+        Stage::WarmUp => say("warm-up"),
+        Stage::Repeat(n) => say(format_args!("repeat {} of {}", n + 1, plan.repeats)),
+    };
+    let experiment = plan.run(&truth, watch).map_err(Failure::new)?;
+    Ok(Measured {
+        scene: scene.name().to_owned(),
+        summaries: experiment.summaries(),
+        plan,
+        truth: words,
+        experiment,
+        peak_mib: stats::peak_mib(),
+    })
+}
+
+impl Args {
+    fn plan(&self, args: &super::Args, base: Params) -> Plan {
+        Plan {
+            variants: Variant::all(&self.model.0, &self.strategy.0, &self.normals.0),
+            base: Params { size: args.size.unwrap_or([320, 240]), seed: self.seed, ..base },
+            passes: self.passes,
+            seconds: self.seconds,
+            repeats: self.repeats,
+            threads: args.threads,
+        }
+    }
+
+    /// What is right, and that in words.
+    fn truth(&self, size: [u32; 2]) -> Result<(Truth, String), Failure> {
+        if let Some(path) = &self.reference {
+            let picture = read_exr(path).map_err(Failure::new)?;
+            let [width, height] = [picture.width, picture.height];
+            if [width, height] != size {
+                return Err(Failure::new(format_args!(
+                    "{}: the reference has {width}x{height} pixels, the pictures {}x{}; \
+                     give --size {width}x{height}",
+                    path.display(),
+                    size[0],
+                    size[1]
+                )));
+            }
+            let words = format!("{}, its own noise unknown", path.display());
+            return Ok((Truth::Given(Reference::known(picture)), words));
+        }
+        if let Some(radiance) = self.exact {
+            let words = format!("exactly {radiance} in every pixel");
+            return Ok((Truth::Given(Reference::exact(size, [radiance; 3])), words));
+        }
+        let passes = self.reference_passes.unwrap_or(self.passes.saturating_mul(16).max(4));
+        let passes = passes.min(Session::MAX_PASSES);
+        Ok((Truth::Rendered { passes }, format!("{passes} passes with MIS and another seed")))
+    }
+}
+
+/// Colours tell strategies apart, marks models, dashes ways to draw normals.
+fn panel(measured: &Measured) -> Panel {
+    let Measured { scene, plan, summaries, .. } = measured;
+    let [width, height] = plan.base.size;
+    let threads = values::worker_count(plan.threads);
+    let curve = |summary: &Summary| {
+        let Variant { model, strategy, normals } = summary.variant;
+        Curve {
+            label: summary.variant.title(),
+            colour: Strategy::ALL.iter().position(|s| *s == strategy).unwrap_or(0),
+            mark: Model::ALL.iter().position(|m| *m == model).unwrap_or(0),
+            dashed: normals != Normals::Visible,
+            dots: summary.checkpoints.iter().map(dot).collect(),
+        }
+    };
+    Panel {
+        title: format!(
+            "{scene}, {width}x{height}, {threads} threads: median of {} repeats",
+            plan.repeats
+        ),
+        x: "seconds of tracing".into(),
+        y: "relative RMSE in %".into(),
+        curves: summaries.iter().map(curve).collect(),
+    }
+}
+
+fn dot(checkpoint: &Checkpoint) -> Dot {
+    let error = checkpoint.error(REL_RMSE);
+    Dot {
+        x: checkpoint.seconds.median,
+        y: 100.0 * error.median,
+        range: [100.0 * error.min, 100.0 * error.max],
+    }
+}

@@ -1,1 +1,0 @@
-//! Speed against error: error after passes, seconds and rays.

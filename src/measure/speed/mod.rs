@@ -1,0 +1,288 @@
+//! Speed against error: the error after 1, 2, 4, ... passes, with the seconds and rays they took,
+//! for one way of rendering beside another.
+//!
+//! Every repeat renders every variant once before the next begins (A B C A B C ...), so that a
+//! machine that slows down slows them alike; a warm-up that counts for nothing goes before. Each
+//! repeat has a seed of its own, so what is spread over repeats is the luck of the samples as well
+//! as the mood of the machine. Seconds are those of tracing alone.
+
+mod fit;
+mod spread;
+mod summary;
+
+pub use fit::Fit;
+pub use spread::Spread;
+pub use summary::{Checkpoint, Summary};
+
+use super::error::{ALL, Measure, Pair, PairError, REL_MSE, Reference};
+use super::flip::Flip;
+use crate::brdf::{Model, Normals};
+use crate::picture::Tone;
+use crate::progressive::{
+    Options, Params, ParamsError, Session, Snapshot, State, Strategy, render,
+};
+use thiserror::Error;
+
+/// A way of rendering.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Variant {
+    /// Which BRDF. Variants of one model have one answer.
+    pub model: Model,
+    /// How light is found.
+    pub strategy: Strategy,
+    /// How microfacet normals are drawn. From the whole distribution they are drawn by a slower
+    /// copy of the tracer: errors after equal passes compare, seconds do not.
+    pub normals: Normals,
+}
+
+impl Variant {
+    /// Every combination of these, model by model. Phong draws from the distribution whatever is
+    /// asked, so it is there once.
+    pub fn all(models: &[Model], strategies: &[Strategy], normals: &[Normals]) -> Vec<Variant> {
+        let mut all = Vec::new();
+        for &model in models {
+            let known = if model == Model::Phong { &[Normals::Visible] } else { normals };
+            for &normals in known {
+                let variant = |&strategy| Variant { model, strategy, normals };
+                all.extend(strategies.iter().map(variant));
+            }
+        }
+        all
+    }
+
+    /// The parameters of a render in this way, all else being as in `base`.
+    pub fn params(self, base: &Params) -> Params {
+        let Variant { model, strategy, normals } = self;
+        Params { model, strategy, normals, ..base.clone() }
+    }
+
+    /// As a person writes it: "GGX, light only", "GGX, MIS, all normals".
+    pub fn title(self) -> String {
+        let strategy = match self.strategy {
+            Strategy::Mis => "MIS",
+            Strategy::LightOnly => "light only",
+            Strategy::BsdfOnly => "BSDF only",
+        };
+        let normals = match self.normals {
+            Normals::Visible => "",
+            Normals::Distribution => ", all normals",
+        };
+        format!("{}, {strategy}{normals}", self.model.title())
+    }
+}
+
+/// What is to be measured.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Scene, size, depth; its seed is that of the first repeat.
+    pub base: Params,
+    /// What is held side by side.
+    pub variants: Vec<Variant>,
+    /// Passes of the last checkpoint; the others are the powers of 2 below.
+    pub passes: u64,
+    /// Ends a variant's curve before a checkpoint that would come after so many seconds.
+    pub seconds: Option<f64>,
+    /// How often everything is measured.
+    pub repeats: u32,
+    /// Worker threads; 0 for one a core.
+    pub threads: usize,
+}
+
+/// What is right.
+#[derive(Clone, Debug)]
+pub enum Truth {
+    /// A picture rendered by this program with so many passes and a seed that no repeat has, once
+    /// for each model.
+    Rendered {
+        /// How many; from 4 on it knows its own error.
+        passes: u64,
+    },
+    /// The same for all models.
+    Given(Reference),
+}
+
+/// What came of it.
+#[derive(Clone, Debug)]
+pub struct Experiment {
+    /// What was held to be right for each model.
+    pub references: Vec<(Model, Reference)>,
+    /// The curves, repeat by repeat.
+    pub runs: Vec<Run>,
+}
+
+/// One variant's curve in one repeat.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// What was rendered.
+    pub variant: Variant,
+    /// Which time, from 0.
+    pub repeat: u32,
+    /// With which seed.
+    pub seed: u64,
+    /// One for each checkpoint, in the order of their passes; at least one.
+    pub points: Vec<Point>,
+    /// [`Flip::tone_mapped`] and [`Flip::hdr`] of the last checkpoint, where they have an answer.
+    pub flip: [Option<f64>; 2],
+}
+
+/// Where a render stood at a checkpoint.
+#[derive(Clone, Debug)]
+pub struct Point {
+    /// Samples in every pixel.
+    pub passes: u64,
+    /// Spent tracing them.
+    pub seconds: f64,
+    /// Traced for them, of all kinds.
+    pub rays: u64,
+    /// Samples left out because they were NaN or infinite.
+    pub nonfinite: u64,
+    /// The measures, in the order of [`ALL`].
+    pub errors: [f64; ALL.len()],
+}
+
+impl Point {
+    /// A measure's value.
+    pub fn error(&self, measure: Measure) -> f64 {
+        let place = ALL.iter().position(|m| m.column == measure.column);
+        place.map_or(f64::NAN, |i| self.errors[i])
+    }
+
+    /// `1 / (relMSE seconds)` in 1/s: twice as large is the same error in half the time. The same
+    /// at every checkpoint where the error falls with the root of the time.
+    pub fn efficiency(&self) -> f64 {
+        1.0 / (self.error(REL_MSE) * self.seconds)
+    }
+}
+
+/// Why an experiment came to nothing.
+#[derive(Clone, Debug, Error)]
+pub enum SpeedError {
+    /// These parameters cannot be rendered.
+    #[error(transparent)]
+    Params(#[from] ParamsError),
+    /// The reference does not fit the picture.
+    #[error(transparent)]
+    Pair(#[from] PairError),
+    /// A render failed on the way.
+    #[error("{0}")]
+    Failed(String),
+}
+
+/// What an experiment is about to do.
+#[derive(Clone, Copy, Debug)]
+pub enum Stage {
+    /// Rendering a reference.
+    Reference(Model),
+    /// Rendering each variant for a moment.
+    WarmUp,
+    /// Measuring a repeat, from 0.
+    Repeat(u32),
+}
+
+/// Passes of the warm-up: enough to have touched all of the code, the scene and the film.
+const WARM_UP: u64 = 4;
+
+impl Plan {
+    /// Measures everything. `watch` is told what comes next.
+    pub fn run(
+        &self,
+        truth: &Truth,
+        mut watch: impl FnMut(Stage),
+    ) -> Result<Experiment, SpeedError> {
+        let references = self.references(truth, &mut watch)?;
+        watch(Stage::WarmUp);
+        for variant in &self.variants {
+            render(variant.params(&self.base), WARM_UP.min(self.passes), self.threads)?;
+        }
+        let mut runs: Vec<Run> = Vec::new();
+        for repeat in 0..self.repeats {
+            watch(Stage::Repeat(repeat));
+            for (index, &variant) in self.variants.iter().enumerate() {
+                // The first repeat finds out how far a curve goes; the others follow it.
+                let first = runs.get(index).and_then(|run| run.points.last());
+                let (passes, seconds) =
+                    first.map_or((self.passes, self.seconds), |last| (last.passes, None));
+                let same = |(model, _): &&(Model, Reference)| *model == variant.model;
+                let Some((_, reference)) = references.iter().find(same) else { continue };
+                let seed = self.base.seed.wrapping_add(repeat.into());
+                let params = Params { seed, ..variant.params(&self.base) };
+                let (points, flip) = curve(params, self.threads, reference, passes, seconds)?;
+                runs.push(Run { variant, repeat, seed, points, flip });
+            }
+        }
+        Ok(Experiment { references, runs })
+    }
+
+    fn references(
+        &self,
+        truth: &Truth,
+        watch: &mut impl FnMut(Stage),
+    ) -> Result<Vec<(Model, Reference)>, SpeedError> {
+        let mut references: Vec<(Model, Reference)> = Vec::new();
+        for &Variant { model, .. } in &self.variants {
+            if references.iter().any(|(known, _)| *known == model) {
+                continue;
+            }
+            let reference = match truth {
+                Truth::Given(reference) => reference.clone(),
+                Truth::Rendered { passes } => {
+                    watch(Stage::Reference(model));
+                    // Repeats count up from the base's seed: half the seeds away is out of reach.
+                    let seed = self.base.seed ^ 1 << 63;
+                    let (strategy, normals) = (Strategy::Mis, Normals::Visible);
+                    let best = Variant { model, strategy, normals };
+                    let params = Params { seed, ..best.params(&self.base) };
+                    Reference::rendered(&render(params, *passes, self.threads)?)
+                }
+            };
+            references.push((model, reference));
+        }
+        Ok(references)
+    }
+}
+
+/// Renders to each checkpoint in turn and measures what is there.
+fn curve(
+    params: Params,
+    threads: usize,
+    reference: &Reference,
+    passes: u64,
+    seconds: Option<f64>,
+) -> Result<(Vec<Point>, [Option<f64>; 2]), SpeedError> {
+    let session = Session::with_options(params, 1, Options::headless(threads), || {})?;
+    let mut points = Vec::new();
+    let mut goal = 1;
+    loop {
+        session.set_limit(goal);
+        let snapshot = finished(&session, goal)?;
+        let picture = snapshot.mean();
+        let pair = Pair::new(&picture, reference)?;
+        points.push(Point {
+            passes: snapshot.passes,
+            seconds: snapshot.seconds,
+            rays: snapshot.counts.rays,
+            nonfinite: snapshot.counts.nonfinite,
+            errors: ALL.map(|measure| measure.of(&pair)),
+        });
+        let next = (2 * goal).min(passes);
+        let expected = snapshot.seconds * next as f64 / goal as f64;
+        if goal >= passes || seconds.is_some_and(|most| expected > most) {
+            let tone_mapped = Flip::tone_mapped(&pair, Tone::default());
+            let flip = [tone_mapped, Flip::hdr(&pair)].map(|f| f.ok().map(|f| f.mean()));
+            return Ok((points, flip));
+        }
+        goal = next;
+    }
+}
+
+/// Waits until so many passes are done.
+fn finished(session: &Session, passes: u64) -> Result<Snapshot, SpeedError> {
+    for snapshot in session.snapshots().iter() {
+        match snapshot.state {
+            State::Failed(why) => return Err(SpeedError::Failed(why)),
+            State::Done if snapshot.passes >= passes => return Ok(snapshot),
+            _ => {}
+        }
+    }
+    Err(SpeedError::Failed("the worker threads ended without a word".into()))
+}
