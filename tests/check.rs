@@ -15,11 +15,11 @@ fn failing(proofs: &[Proof]) -> Vec<&Proof> {
     proofs.iter().filter(|p| !p.holds()).collect()
 }
 
-/// From the sharpest lobe to the dullest; the two between are where proofs begin to apply.
+/// From the sharpest lobe to the dullest; between them where proofs begin to apply.
 #[test]
 fn the_right_code_passes_every_proof() {
     for model in Model::ALL {
-        for alpha in [1e-4, 0.004, 0.05, 0.1, 0.45, 1.0] {
+        for alpha in [1e-4, 0.07, 1.0] {
             let proofs = quick(subject(model, alpha));
             assert!(proofs.len() >= 21, "{model:?} {alpha}: only {}", proofs.len());
             assert_eq!(failing(&proofs), Vec::<&Proof>::new(), "{model:?} at {alpha}");
@@ -36,24 +36,27 @@ fn normals_drawn_from_the_whole_distribution_pass_as_well() {
 }
 
 /// The mutation test of the proofs: every mistake that biases a picture makes the proof fail that
-/// is named for it, in every model that it is about.
+/// is named for it. One that is about no model in particular is tried with two.
 #[test]
 fn every_erratum_is_found_by_name() {
     let mut found = 0;
-    for erratum in Erratum::ALL {
-        for model in Model::ALL.into_iter().filter(|m| erratum.concerns(*m)) {
+    for (i, erratum) in Erratum::ALL.into_iter().enumerate() {
+        let models: Vec<_> = match erratum.model() {
+            Some(model) => vec![model],
+            None => vec![Model::ALL[i % 3], Model::ALL[(i + 1) % 3]],
+        };
+        for model in models {
             let proofs = quick(Subject { erratum: Some(erratum), ..subject(model, 0.1) });
             let names: Vec<_> = failing(&proofs).iter().map(|p| p.name).collect();
-            println!("{} {}: {names:?}", erratum.name(), model.name());
             match finds(erratum) {
-                Some(name) => assert!(names.contains(&name), "{erratum:?}: {names:?}"),
+                Some(name) => assert!(names.contains(&name), "{erratum:?} {model:?}: {names:?}"),
                 // It costs noise alone, and nothing may say that it is a bias.
                 None => assert!(!erratum.is_bias() && names.is_empty(), "{erratum:?}: {names:?}"),
             }
             found += usize::from(!names.is_empty());
         }
     }
-    assert!(found >= 20, "{found}");
+    assert!(found > Erratum::ALL.len(), "{found}");
 }
 
 /// On a model that it is not about an erratum changes nothing, and no proof fails.

@@ -248,7 +248,7 @@ fn directions(work: &mut Work, cos: f64) -> f64 {
 }
 
 /// The mean weight of samples against the albedo by quadrature: of the lobe alone with F = 1, and
-/// of a material.
+/// of a lacquer.
 fn albedo(work: &mut Work) {
     let lobe = Reference::of_width(work.subject.model, work.width);
     let per_batch = if work.full { 1 << 17 } else { 1 << 14 };
@@ -262,7 +262,10 @@ fn albedo(work: &mut Work) {
             work.strange += batches.iter().filter(|b| !(**b >= 0.0)).count() as u64;
             let mean = Mean::of(batches);
             let expected = exact.of(kd.into(), ks.into());
-            off = most([off, (mean.mean - expected).abs()]);
+            // Of the mixture chance alone judges: how even it is depends on the choice of a lobe.
+            if kd == 0.0 {
+                off = most([off, (mean.mean - expected).abs()]);
+            }
             // What is rarer than one sample in all shows in no spread: narrow lobes lose that.
             chance = least([chance, mean.chance(expected, 5e-5)]);
         }

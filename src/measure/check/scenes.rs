@@ -15,6 +15,10 @@ use std::sync::Arc;
 /// Below this alpha, asking lights no longer finds a lobe: the spread of so few hits tells nothing.
 const SHARP: f64 = 0.05;
 
+/// Size of the plate's scenes: as large as a house, for a tolerance without regard to size is lost on
+/// small ones.
+const SIZE: f64 = 16.0;
+
 /// All of them.
 pub(super) fn prove(work: &mut Work) -> Result<(), CheckError> {
     furnace(work)?;
@@ -74,7 +78,7 @@ fn strategies(work: &mut Work) -> Result<(), CheckError> {
         (x * -across + z * cos, 2.0, 0.6),
         (x * -0.3 - y * 1.2 + z, 3.0, 0.9),
     ] {
-        b.sphere(to.normalize() * distance, radius, lamp)?;
+        b.sphere(to.normalize() * distance * SIZE, radius * SIZE, lamp)?;
     }
     let scene: Arc<Scene> = b.build().into();
     let both = work.pixels(scene.clone(), Strategy::Mis)?;
@@ -104,7 +108,7 @@ fn look_at_plate(
     let z = DVec3::new(0.3, -0.2, 0.9).normalize();
     let x = DVec3::new(1.0, 0.4, 0.0).reject_from(z).normalize();
     let y = z.cross(x);
-    let corner = |s: f64, t: f64| (x * s + y * t) * 0.5;
+    let corner = |s: f64, t: f64| (x * s + y * t) * 0.5 * SIZE;
     let mesh = Mesh {
         positions: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
         normals: Vec::new(),
@@ -114,7 +118,7 @@ fn look_at_plate(
     if counts.kept != 2 {
         return Err(ShapeError::Flat.into());
     }
-    let eye = (x * (1.0 - cos * cos).sqrt() + z * cos) * 2.0;
+    let eye = (x * (1.0 - cos * cos).sqrt() + z * cos) * 2.0 * SIZE;
     b.camera = Some(Camera::look_at(eye, DVec3::ZERO, 1e-5)?);
     Ok([x, y, z])
 }
