@@ -17,7 +17,7 @@
 //! let snapshot = render(params, 8, 0)?; // 8 passes on all cores
 //! let picture = snapshot.mean(); // linear radiance, rows from the top
 //! assert_eq!(picture.pixels.len(), 64 * 48);
-//! println!("relative error about {:.0} %", 100.0 * snapshot.error.unwrap().relative);
+//! println!("relative error about {:.0} %", 100.0 * snapshot.error.unwrap().relative.value);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

@@ -17,7 +17,7 @@ const MAY_KNOW: [(&str, &[&str]); 9] = [
 ];
 
 /// Foreign names with the only places that may use them.
-const ONE_PLACE: [(&str, &[&str]); 14] = [
+const ONE_PLACE: [(&str, &[&str]); 15] = [
     ("obvhs", &["src/geometry/bvh.rs"]),
     ("tobj", &["src/scene/read/"]),
     ("ply_rs_bw", &["src/scene/read/ply"]),
@@ -27,6 +27,7 @@ const ONE_PLACE: [(&str, &[&str]); 14] = [
     ("egui", &["src/viewer/"]),
     ("eframe", &["src/viewer/"]),
     ("clap", &["src/cli/"]),
+    ("statrs", &["src/film/interval.rs"]),
     ("flip_rs", &["src/measure/flip.rs"]),
     ("plotters", &["src/measure/plot.rs"]),
     ("unsafe ", &["src/math/lanes/"]),

@@ -1,7 +1,7 @@
 //! How far a render is: a bar on a terminal, a line now and then elsewhere.
 
 use super::say;
-use burnish::progressive::Snapshot;
+use burnish::progressive::{Snapshot, StopRule};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
@@ -13,6 +13,8 @@ pub(super) enum Goal {
     Passes(u64),
     /// After so long.
     Time(Duration),
+    /// When it is good enough.
+    Error(StopRule),
 }
 
 /// Tells stderr about snapshots.
@@ -65,6 +67,9 @@ impl Progress {
                 let [width, height] = snapshot.grid.size.map(f64::from);
                 snapshot.counts.paths as f64 / (width * height * limit as f64)
             }
+            Goal::Error(rule) => rule
+                .needed(snapshot.passes, snapshot.error.as_ref())
+                .map_or(0.0, |needed| snapshot.passes as f64 / needed.max(1) as f64),
         };
         share.clamp(0.0, 1.0)
     }
@@ -82,7 +87,7 @@ impl Drop for Progress {
 fn describe(snapshot: &Snapshot, goal: Goal) -> String {
     let done = match goal {
         Goal::Passes(limit) => format!("{}/{limit} passes", snapshot.passes),
-        Goal::Time(_) => passes(snapshot.passes),
+        Goal::Time(_) | Goal::Error(_) => passes(snapshot.passes),
     };
     let speed = snapshot.counts.paths as f64 / snapshot.seconds.max(1e-9) / 1e6;
     format!("{done}, {speed:.2} M paths/s{}", error(snapshot))
@@ -96,7 +101,10 @@ pub(super) fn passes(n: u64) -> String {
 /// ", relative error 1.8 %", or nothing while it is not known.
 pub(super) fn error(snapshot: &Snapshot) -> String {
     let percent = |e: burnish::progressive::ErrorEstimate| {
-        format!(", relative error {:.2} % (estimated)", 100.0 * e.relative)
+        let [value, low, high] =
+            [e.relative.value, e.relative.interval.low, e.relative.interval.high]
+                .map(|x| 100.0 * x);
+        format!(", relative error {value:.2} % (estimated; 95 % limits {low:.2} to {high:.2} %)")
     };
     snapshot.error.map(percent).unwrap_or_default()
 }

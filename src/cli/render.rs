@@ -7,7 +7,7 @@ use super::stats::{self, Stats};
 use super::{Failure, interrupt, say, values};
 use burnish::brdf::{Erratum, Model, Normals, Roughness};
 use burnish::picture::{self, Curve, Picture, Tone, check_writable};
-use burnish::progressive::{Options, Params, Session, Snapshot, State, Strategy};
+use burnish::progressive::{Options, Params, Session, Snapshot, State, StopRule, Strategy};
 use burnish::scene::{Camera, Scene};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -50,6 +50,11 @@ pub(super) struct Args {
     #[arg(long, value_name = "SECONDS", conflicts_with = "passes",
           value_parser = values::seconds)]
     time: Option<f64>,
+    /// Renders until the relative error is at most this, as a part of one or in percent (0.02,
+    /// 2%): the upper 95 % limit of sqrt(mean((x - r)^2 / (r^2 + 0.01))), r being the truth. With
+    /// --time, whichever comes first.
+    #[arg(long, value_name = "E", conflicts_with = "passes", value_parser = values::error)]
+    error: Option<f64>,
     /// Width and height in pixels instead of the scene's.
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     size: Option<[u32; 2]>,
@@ -135,9 +140,10 @@ impl Args {
     }
 
     fn goal(&self) -> Goal {
-        match self.time {
-            Some(seconds) => Goal::Time(Duration::from_secs_f64(seconds)),
-            None => Goal::Passes(self.passes),
+        match (self.error, self.time) {
+            (Some(wanted), _) => Goal::Error(StopRule { wanted }),
+            (None, Some(seconds)) => Goal::Time(Duration::from_secs_f64(seconds)),
+            (None, None) => Goal::Passes(self.passes),
         }
     }
 }
@@ -158,10 +164,12 @@ const INTERVAL: Duration = Duration::from_millis(20);
 
 /// Traces until the goal is reached or Ctrl-C is pressed.
 fn trace(args: &Args, params: Params, started: Instant) -> Result<Traced, Failure> {
-    let (limit, time) = match args.goal() {
-        Goal::Passes(passes) => (passes, Duration::MAX),
-        Goal::Time(time) => (Session::MAX_PASSES, time),
+    let limit = match args.goal() {
+        Goal::Passes(passes) => passes,
+        Goal::Time(_) => Session::MAX_PASSES,
+        Goal::Error(_) => StopRule::FIRST,
     };
+    let time = args.time.map_or(Duration::MAX, Duration::from_secs_f64);
     let options = Options { interval: INTERVAL, ..Options::headless(args.threads) };
     let session = Session::with_options(params, limit, options, || {}).map_err(Failure::new)?;
     let mut progress = Progress::start(args.goal());
@@ -175,7 +183,15 @@ fn trace(args: &Args, params: Params, started: Instant) -> Result<Traced, Failur
                 first_image.get_or_insert_with(|| started.elapsed());
             }
             progress.show(&snapshot);
-            if snapshot.state != State::Running {
+            let again = match (args.goal(), &snapshot.state) {
+                (Goal::Error(rule), State::Done) => {
+                    rule.next(snapshot.passes, snapshot.error.as_ref())
+                }
+                _ => None,
+            };
+            if let Some(passes) = again.filter(|_| !stopping) {
+                session.set_limit(passes);
+            } else if snapshot.state != State::Running {
                 let interrupted = snapshot.state == State::Paused && interrupt::came();
                 return Ok(Traced { snapshot, interrupted, first_image });
             }
@@ -198,7 +214,11 @@ fn stats(args: &Args, loaded: &Loaded, traced: &Traced, picture: &Picture) -> St
         paths: snapshot.counts.paths,
         rays: snapshot.counts.rays,
         peak_mib: stats::peak_mib(),
-        est_rel_error: snapshot.error.map(|e| e.relative),
+        est_rel_error: snapshot.error.map(|e| e.relative.value),
+        est_rel_error_limits: snapshot
+            .error
+            .map(|e| [e.relative.interval.low, e.relative.interval.high]),
+        est_reliable: snapshot.error.is_some_and(|e| e.reliable),
         mean: stats::mean(picture),
         nonfinite: snapshot.counts.nonfinite,
         capped: snapshot.counts.capped,
@@ -234,6 +254,9 @@ fn tell(snapshot: &Snapshot, interrupted: bool) {
     let Snapshot { passes, seconds, counts, .. } = snapshot;
     let (done, error) = (progress::passes(*passes), progress::error(snapshot));
     say(format_args!("{early}{done} in {seconds:.2} s{error}"));
+    if snapshot.error.is_some_and(|e| !e.reliable) {
+        say("note: the error is not yet reliable: too few passes, or a handful of pixels owns it");
+    }
     if *passes == 0 {
         say("warning: not every pixel has a sample yet; the rest is black");
     }

@@ -1,6 +1,7 @@
 //! The scene that the command line names, read and built.
 
 use super::{Failure, say};
+use burnish::scene::builtin::{Example, default_scene};
 use burnish::scene::{Camera, Report, Scene, SceneBuilder};
 use std::path::Path;
 use std::sync::Arc;
@@ -15,7 +16,8 @@ pub(super) struct Loaded {
     pub(super) build_s: f64,
 }
 
-/// Reads and builds; the built-in scene without a path. The reader's remarks go to stderr.
+/// Reads and builds the file, or the shipped scene of that name; the default scene without either.
+/// The reader's remarks go to stderr.
 pub(super) fn load(path: Option<&Path>) -> Result<Loaded, Failure> {
     let start = Instant::now();
     let (builder, report) = read(path)?;
@@ -32,9 +34,11 @@ pub(super) fn load(path: Option<&Path>) -> Result<Loaded, Failure> {
 }
 
 fn read(path: Option<&Path>) -> Result<(SceneBuilder, Report), Failure> {
-    match path {
-        None => burnish::scene::builtin::default_scene().map_err(Failure::new),
-        Some(path) => burnish::scene::read::open(path).map_err(Failure::new),
+    let Some(path) = path else { return default_scene().map_err(Failure::new) };
+    // A file of that name comes first.
+    match path.to_str().and_then(Example::named).filter(|_| !path.exists()) {
+        Some(example) => example.read().map_err(Failure::new),
+        None => burnish::scene::read::open(path).map_err(Failure::new),
     }
 }
 

@@ -27,6 +27,10 @@ pub(super) struct Stats {
     pub(super) peak_mib: Option<f64>,
     /// Estimated relative error of the picture; null before there is an estimate.
     pub(super) est_rel_error: Option<f64>,
+    /// Its 95 % limits.
+    pub(super) est_rel_error_limits: Option<[f64; 2]>,
+    /// Whether these figures can be relied on.
+    pub(super) est_reliable: bool,
     /// Mean radiance over the picture.
     pub(super) mean: [f64; 3],
     /// Samples left out because they were NaN or infinite.

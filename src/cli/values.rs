@@ -49,6 +49,17 @@ pub(super) fn reflectance(text: &str) -> Result<f32, String> {
     }
 }
 
+/// A relative error, as a part of one or in percent.
+pub(super) fn error(text: &str) -> Result<f64, String> {
+    let (digits, unit) = text.trim().strip_suffix('%').map_or((text, 1.0), |t| (t, 0.01));
+    let error = number::<f64>(digits)? * unit;
+    if (1e-6..=1.0).contains(&error) {
+        Ok(error)
+    } else {
+        Err("expected a relative error from 0.000001 to 1, such as 0.02 or 2%".into())
+    }
+}
+
 /// A length of time above 0.
 pub(super) fn seconds(text: &str) -> Result<f64, String> {
     // The upper end keeps well within what a duration can hold: about 30 years.
@@ -197,6 +208,10 @@ mod tests {
         for bad in ["0", "-1", "nan", "inf", "1e10"] {
             assert!(seconds(bad).is_err(), "{bad}");
         }
+        for bad in ["0", "-1", "nan", "2", "200%", "%", "1e-9"] {
+            assert!(error(bad).is_err(), "{bad}");
+        }
+        assert_eq!((error("0.02"), error("2 %"), error("1")), (Ok(0.02), Ok(0.02), Ok(1.0)));
         assert_eq!((exposure("-2.5"), seconds("0.25")), (Ok(-2.5), Ok(0.25)));
     }
 }

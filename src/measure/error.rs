@@ -8,9 +8,9 @@
 //!
 //! A pixel that is not finite in any channel of either picture is left out and counted.
 
+use crate::film::student;
 use crate::picture::Picture;
 use crate::progressive::Snapshot;
-use statrs::distribution::{ContinuousCDF, StudentsT};
 use thiserror::Error;
 
 /// A measure: one number about two pictures, with all that a table needs to print it.
@@ -330,9 +330,11 @@ const BLOCKS: usize = 8;
 /// Half the width of the 95 % Student interval about the mean of independent numbers: `t s / sqrt n`
 /// with n - 1 degrees of freedom. `None` for fewer than two numbers.
 pub fn mean_margin(values: &[f64]) -> Option<f64> {
+    if values.len() < 2 {
+        return None;
+    }
     let n = values.len() as f64;
-    let t = StudentsT::new(0.0, 1.0, n - 1.0).ok()?.inverse_cdf(0.975);
     let mean = values.iter().sum::<f64>() / n;
     let squares = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
-    Some(t * (squares / (n - 1.0) / n).sqrt())
+    Some(student(n - 1.0) * (squares / (n - 1.0) / n).sqrt())
 }

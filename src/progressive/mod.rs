@@ -4,9 +4,12 @@ mod outlet;
 mod params;
 mod session;
 mod snapshot;
+mod stop;
 mod work;
 
+pub use crate::film::{ErrorEstimate, Figure, Interval};
 pub use crate::trace::Strategy;
 pub use params::{Params, ParamsError};
 pub use session::{Options, Session, render};
-pub use snapshot::{Counts, ErrorEstimate, Snapshot, State, TILE, TileGrid, TileImage, TileRect};
+pub use snapshot::{Counts, Snapshot, State, TILE, TileGrid, TileImage, TileRect};
+pub use stop::StopRule;

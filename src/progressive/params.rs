@@ -3,7 +3,7 @@
 use crate::brdf::{Erratum, Model, Normals, Roughness};
 use crate::math::sequence::REPLICATES;
 use crate::scene::{Camera, Material, Scene};
-use crate::trace::{Method, Strategy};
+use crate::trace::{Method, Strategy, Tracer};
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -102,6 +102,19 @@ impl Params {
     /// How light is sampled.
     pub fn method(&self) -> Method {
         Method { strategy: self.strategy, normals: self.normals, erratum: self.erratum }
+    }
+
+    /// What traces a sample of any pixel and pass of these.
+    pub fn tracer(&self) -> Tracer {
+        Tracer::new(
+            self.scene.clone(),
+            &self.materials,
+            &self.camera,
+            self.size,
+            self.seed,
+            self.max_depth,
+            self.method(),
+        )
     }
 
     /// Whether these can be rendered.

@@ -1,5 +1,6 @@
 //! What the workers hand out.
 
+use crate::film::ErrorEstimate;
 use crate::picture::Picture;
 use std::sync::Arc;
 
@@ -75,7 +76,8 @@ pub struct TileImage {
     pub passes: u64,
     /// Mean radiance of each pixel, row by row within the tile.
     pub mean: Vec<[f32; 3]>,
-    /// Standard error of each mean from the replicates; empty before each has two samples.
+    /// Standard error of each mean, pooled over touching pixels of the tile; empty before every
+    /// replicate has a sample.
     pub standard_error: Vec<[f32; 3]>,
     /// Pixels of a block with one value in the coarse preview; 1 otherwise.
     pub block: u32,
@@ -92,15 +94,6 @@ pub struct Counts {
     pub nonfinite: u64,
     /// Paths ended by the safety cap on their length.
     pub capped: u64,
-}
-
-/// Image-level error estimates, from independent replicates of the sample stream.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ErrorEstimate {
-    /// Mean over pixels and channels of `variance / (mean² + 0.01)`: an estimate of relMSE.
-    pub rel_mse: f64,
-    /// Its square root, the relative error.
-    pub relative: f64,
 }
 
 /// What the workers are doing.

@@ -2,11 +2,9 @@
 
 use super::outlet::Outlet;
 use super::session::{Options, Shared};
-use super::{
-    Counts, ErrorEstimate, Params, ParamsError, Snapshot, State, TileGrid, TileImage, TileRect,
-};
+use super::{Counts, Params, ParamsError, Snapshot, State, TileGrid, TileImage, TileRect};
 use crate::brdf::{Microfacet, ModelVisitor};
-use crate::film::Film;
+use crate::film::{ErrorSums, Film};
 use crate::math::Rgb;
 use crate::trace::{Scratch, Tracer};
 use rayon::prelude::*;
@@ -54,7 +52,7 @@ struct Epoch {
 
 #[derive(Default)]
 struct Shown {
-    image: Mutex<Option<(Arc<TileImage>, f64)>>,
+    image: Mutex<Option<(Arc<TileImage>, ErrorSums)>>,
     dirty: AtomicBool,
 }
 
@@ -168,14 +166,14 @@ impl Workers {
         counts.rays = std::mem::take(&mut scratch.rays);
         counts.capped = std::mem::take(&mut scratch.capped);
         epoch.count(counts);
-        let estimate = film.estimate();
+        let estimate = film.estimate(rect.width());
         let image = TileImage {
             passes: film.passes(),
             mean: estimate.mean,
             standard_error: estimate.standard_error,
             block: 1,
         };
-        epoch.show(index, image, estimate.rel_mse_sum);
+        epoch.show(index, image, estimate.sums);
         self.show_now_and_then(epoch);
     }
 
@@ -202,7 +200,7 @@ impl Workers {
                             epoch.params.model.visit(Blocks { tracer, rect, block, scratch });
                         let (passes, standard_error) = (0, Vec::new());
                         let image = TileImage { passes, mean, standard_error, block };
-                        epoch.show(index, image, 0.0);
+                        epoch.show(index, image, ErrorSums::default());
                     },
                 )
             });
@@ -249,15 +247,7 @@ fn failure(epoch: &Epoch, panic: &(dyn std::any::Any + Send)) -> String {
 impl Epoch {
     fn new(number: u64, params: Params) -> Epoch {
         let grid = TileGrid { size: params.size };
-        let tracer = Tracer::new(
-            params.scene.clone(),
-            &params.materials,
-            &params.camera,
-            params.size,
-            params.seed,
-            params.max_depth,
-            params.method(),
-        );
+        let tracer = params.tracer();
         let mut shown = Vec::new();
         shown.resize_with(grid.len(), Shown::default);
         Epoch {
@@ -273,10 +263,9 @@ impl Epoch {
         }
     }
 
-    fn show(&self, index: usize, image: TileImage, rel_mse_sum: f64) {
+    fn show(&self, index: usize, image: TileImage, sums: ErrorSums) {
         let shown = &self.shown[index];
-        *shown.image.lock().unwrap_or_else(PoisonError::into_inner) =
-            Some((Arc::new(image), rel_mse_sum));
+        *shown.image.lock().unwrap_or_else(PoisonError::into_inner) = Some((Arc::new(image), sums));
         shown.dirty.store(true, Ordering::Release);
     }
 
@@ -311,21 +300,21 @@ impl Epoch {
     fn snapshot(&self, state: State, passes: u64) -> Snapshot {
         let mut dirty = Vec::new();
         let mut tiles = Vec::with_capacity(self.shown.len());
-        let (mut rel_mse_sum, mut known) = (0.0, true);
+        let mut sums = ErrorSums::default();
         for (index, shown) in self.shown.iter().enumerate() {
             // The flag first: an image shown in between is then sent twice rather than never.
             if shown.dirty.swap(false, Ordering::AcqRel) {
                 dirty.push(index as u32);
             }
             let image = shown.image.lock().unwrap_or_else(PoisonError::into_inner).clone();
-            known &= image.as_ref().is_some_and(|(i, _)| !i.standard_error.is_empty());
-            rel_mse_sum += image.as_ref().map_or(0.0, |(_, sum)| *sum);
+            if let Some((_, tile)) = &image {
+                sums.add(tile);
+            }
             tiles.push(image.map(|(i, _)| i));
         }
         let [paths, rays, nonfinite, capped] =
             [0, 1, 2, 3].map(|i: usize| self.counts[i].load(Ordering::Relaxed));
-        let values = 3.0 * self.grid.size[0] as f64 * self.grid.size[1] as f64;
-        let rel_mse = rel_mse_sum / values;
+        let pixels = self.params.size.map(u64::from).iter().product();
         Snapshot {
             epoch: self.number,
             grid: self.grid,
@@ -333,7 +322,7 @@ impl Epoch {
             dirty,
             passes,
             counts: Counts { paths, rays, nonfinite, capped },
-            error: known.then_some(ErrorEstimate { rel_mse, relative: rel_mse.sqrt() }),
+            error: sums.estimate(pixels, passes),
             seconds: self.seconds(),
             state,
         }

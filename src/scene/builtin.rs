@@ -1,24 +1,78 @@
-//! The scene that is shown when none is named, part of the program itself.
+//! Scenes that are part of the program itself.
 
 use super::read::{Memory, ReadError, read_scn};
 use super::{Report, SceneBuilder};
 
-/// The files of `assets/scenes`, by the names under which the scene refers to its models.
-const SCENE: &[u8] = include_bytes!("../../assets/scenes/default.scn");
-const MODELS: [(&str, &[u8]); 3] = [
-    ("letter-x.ply", include_bytes!("../../assets/scenes/letter-x.ply")),
-    ("letter-y.ply", include_bytes!("../../assets/scenes/letter-y.ply")),
-    ("wentletrap.ply", include_bytes!("../../assets/scenes/wentletrap.ply")),
+/// A shipped scene, one of [`EXAMPLES`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Example {
+    /// Lower-case name, as the command line takes it; that of its file in `assets/scenes`.
+    pub name: &'static str,
+    /// As a person writes it.
+    pub title: &'static str,
+    /// What it shows.
+    pub shows: &'static str,
+    text: &'static [u8],
+    /// The models, by the names under which the scene refers to them.
+    models: &'static [(&'static str, &'static [u8])],
+}
+
+/// The bytes of files in `assets/scenes`, by name.
+macro_rules! files {
+    ($($name:literal),*) => {
+        &[$(($name, include_bytes!(concat!("../../assets/scenes/", $name)))),*]
+    };
+}
+
+/// All of them, the default scene first.
+pub const EXAMPLES: [Example; 3] = [
+    Example {
+        name: "default",
+        title: "A wentletrap",
+        shows: "a seashell, a mirror ball and two letters on a lacquered table",
+        text: include_bytes!("../../assets/scenes/default.scn"),
+        models: files!["letter-x.ply", "letter-y.ply", "wentletrap.ply"],
+    },
+    Example {
+        name: "cornell",
+        title: "Cornell box",
+        shows: "walls that colour each other; all diffuse, as measured in 1985",
+        text: include_bytes!("../../assets/scenes/cornell.scn"),
+        models: files![
+            "cornell-white.ply",
+            "cornell-red.ply",
+            "cornell-green.ply",
+            "cornell-lamp.ply"
+        ],
+    },
+    Example {
+        name: "plates",
+        title: "Four plates",
+        shows: "four roughnesses under four lamp sizes: why two ways to find light are weighed",
+        text: include_bytes!("../../assets/scenes/plates.scn"),
+        models: files!["plate.ply"],
+    },
 ];
 
+impl Example {
+    /// The one of this name.
+    pub fn named(name: &str) -> Option<&'static Example> {
+        EXAMPLES.iter().find(|e| e.name == name)
+    }
+
+    /// Reads it with the reader that reads every other scene. A test holds that this succeeds
+    /// without a warning; the error is there all the same, so that nothing here needs to panic.
+    pub fn read(&self) -> Result<(SceneBuilder, Report), ReadError> {
+        let path = format!("{}.scn", self.name);
+        let (mut builder, report) = read_scn(self.text, path.as_ref(), &Memory(self.models))?;
+        builder.name = self.title.to_owned();
+        Ok((builder, report))
+    }
+}
+
 /// A room with a lacquered table, and on it a seashell, a mirror ball and the letters X and Y.
-///
-/// It is read by the reader that reads every other scene. A test holds that this succeeds without
-/// a warning; the error is there all the same, so that nothing here needs to panic.
 pub fn default_scene() -> Result<(SceneBuilder, Report), ReadError> {
-    let (mut builder, report) = read_scn(SCENE, "default.scn".as_ref(), &Memory(&MODELS))?;
-    builder.name = "A wentletrap".to_owned();
-    Ok((builder, report))
+    EXAMPLES[0].read()
 }
 
 #[cfg(test)]
@@ -27,12 +81,13 @@ mod tests {
     use crate::scene::Report;
 
     #[test]
-    fn reads_without_a_remark() {
-        let (builder, report) = default_scene().unwrap();
-        assert_eq!(report, Report::default());
-        assert!(builder.is_lit());
-        assert!(builder.camera.is_some());
-        assert_eq!(builder.screen, [640, 480]);
+    fn all_read_without_a_remark() {
+        for example in EXAMPLES {
+            let (builder, report) = example.read().unwrap();
+            assert_eq!(report, Report::default(), "{}", example.name);
+            assert!(builder.is_lit() && builder.camera.is_some(), "{}", example.name);
+            assert_eq!(Example::named(example.name), Some(&example));
+        }
     }
 
     #[test]

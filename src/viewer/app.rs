@@ -8,6 +8,7 @@ use super::help::Help;
 use super::keys::{self, Action};
 use super::load::{Loaded, Loading, Source};
 use super::materials::Materials;
+use super::method::{self, MethodPanel};
 use super::notice::Notice;
 use super::open::Open;
 use super::orbit;
@@ -41,6 +42,7 @@ pub(super) struct App {
     controls: Controls,
     view: View,
     materials: Materials,
+    method: MethodPanel,
     report: ReportPanel,
     status: Status,
     pub(super) help: Help,
@@ -68,6 +70,7 @@ impl App {
             controls: Controls,
             view: View,
             materials: Materials::default(),
+            method: MethodPanel,
             report: ReportPanel,
             status: Status,
             help: Help::default(),
@@ -172,6 +175,7 @@ impl App {
                 asked.extend(self.controls.ui(ui, document));
                 self.materials.ui(ui, document);
                 asked.extend(self.view.ui(ui, document));
+                self.method.ui(ui, document);
                 self.report.ui(ui, document);
             });
         });
@@ -185,6 +189,9 @@ impl App {
             let font = egui::TextStyle::Heading.resolve(ui.style());
             let colour = ui.visuals().strong_text_color();
             ui.painter().text(space.center(), Align2::CENTER_CENTER, words, font, colour);
+        }
+        if let Some(document) = &self.document {
+            method::banner(ui, &document.params, space);
         }
         if ui.input(|i| !i.raw.hovered_files.is_empty()) {
             widgets::drop_target(ui, space);
@@ -291,12 +298,8 @@ impl App {
             return;
         }
         let params = &document.params;
-        let job = Job {
-            snapshot,
-            tone: document.tone,
-            folder: self.folder.clone(),
-            stem: stem(params.scene.name(), params.model.name()),
-        };
+        let job =
+            Job { snapshot, tone: document.tone, folder: self.folder.clone(), stem: stem(params) };
         match Saving::start(ctx, job) {
             Ok(saving) => self.saving = Some(saving),
             Err(why) => self.notice = Some(Notice::error(why)),

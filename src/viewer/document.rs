@@ -42,11 +42,14 @@ impl Document {
     const PASSES: u64 = 1024;
     const MAX_UNDO: usize = 200;
 
-    /// A scene as it was read. Model, limit and tone stay those of the scene before.
+    /// A scene as it was read. Model, method, limit and tone stay those of the scene before.
     pub(super) fn open(loaded: Loaded, before: Option<&Document>) -> Document {
         let mut params = Params::new(loaded.scene);
         if let Some(before) = before {
             params.model = before.params.model;
+            params.strategy = before.params.strategy;
+            params.normals = before.params.normals;
+            params.erratum = before.params.erratum;
         }
         Document {
             params,

@@ -15,6 +15,7 @@ mod help;
 mod keys;
 mod load;
 mod materials;
+mod method;
 mod notice;
 mod open;
 mod orbit;

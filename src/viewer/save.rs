@@ -1,7 +1,7 @@
 //! Writing what is shown to files, in the background.
 
 use burnish::picture::{Tone, write};
-use burnish::progressive::Snapshot;
+use burnish::progressive::{Params, Snapshot};
 use egui::Context;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -69,8 +69,16 @@ fn free_names(folder: &Path, stem: &str) -> Option<[PathBuf; 2]> {
         .find(|names| names.iter().all(|name| !name.exists()))
 }
 
-/// A scene's name as the beginning of a file's: no folder, no extension, nothing unusual.
-pub(super) fn stem(scene: &str, model: &str) -> String {
+/// How a picture's file names begin: with the scene's name, the model's and, if the picture is wrong
+/// on purpose, the erratum's.
+pub(super) fn stem(params: &Params) -> String {
+    let wrong = params.erratum.filter(|e| e.concerns(params.model));
+    let wrong = wrong.map_or(String::new(), |e| format!("_{}", e.name()));
+    format!("{}_{}{wrong}", plain(params.scene.name()), params.model.name())
+}
+
+/// A scene's name as part of a file's: no folder, no extension, nothing unusual.
+fn plain(scene: &str) -> String {
     let name = Path::new(scene).file_stem().map_or(scene.into(), |s| s.to_string_lossy());
     let plain: String = name
         .chars()
@@ -78,7 +86,7 @@ pub(super) fn stem(scene: &str, model: &str) -> String {
         .take(80)
         .collect();
     let plain = plain.trim_matches('-');
-    format!("{}_{model}", if plain.is_empty() { "scene" } else { plain })
+    if plain.is_empty() { "scene".to_owned() } else { plain.to_owned() }
 }
 
 #[cfg(test)]
@@ -86,15 +94,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_stem_is_a_plain_file_name() {
+    fn a_scene_gives_a_plain_file_name() {
         for (scene, expected) in [
-            ("table.scn", "table_ggx"),
-            ("/some/where/my scene.obj", "my-scene_ggx"),
-            ("../..", "scene_ggx"),
-            ("", "scene_ggx"),
-            ("three balls", "three-balls_ggx"),
+            ("table.scn", "table"),
+            ("/some/where/my scene.obj", "my-scene"),
+            ("../..", "scene"),
+            ("", "scene"),
+            ("three balls", "three-balls"),
         ] {
-            assert_eq!(stem(scene, "ggx"), expected, "{scene:?}");
+            assert_eq!(plain(scene), expected, "{scene:?}");
         }
     }
 

@@ -4,7 +4,7 @@ use super::canvas::Hover;
 use super::document::Document;
 use super::figures::{digits, percent, short};
 use super::theme;
-use burnish::progressive::{Snapshot, State};
+use burnish::progressive::{ErrorEstimate, Interval, Snapshot, State};
 use egui::{Align, Color32, Label, Layout, Rect, RichText, Ui, UiBuilder};
 use std::time::Duration;
 
@@ -79,16 +79,18 @@ fn progress(ui: &mut Ui, document: &Document, facts: &Facts) {
     if !state.is_empty() {
         ui.label(RichText::new(state).strong());
     }
-    let error = snapshot.error.map_or("-".to_owned(), |e| percent(e.relative));
+    let error = snapshot.error.map_or("-".to_owned(), error);
     let seconds = snapshot.seconds;
     let rate = if seconds > 0.0 { snapshot.counts.paths as f64 / seconds } else { 0.0 };
     let rate = format!("{} paths/s", short(rate));
     let latency = facts.latency.map_or("-".to_owned(), |l| format!("{:.0}", l.as_secs_f64() * 1e3));
     let figures = [
         (
-            format!("rel. error {error:<6}"),
-            "Square root of the mean over pixels and channels of variance / (mean\u{b2} + 0.01), \
-             estimated from independent replicates. \"-\" until they allow an estimate.",
+            format!("rel. error {error:<20}"),
+            "sqrt(mean((x - r)\u{b2} / (r\u{b2} + 0.01))) over pixels and channels, r being the truth, \
+             with its 95 % limits, estimated from independent replicates. \"-\" until they allow an \
+             estimate, \"?\" while it can't be relied on: under 16 passes, or a handful of pixels \
+             owns the error because their bright samples are rare.",
         ),
         (format!("{rate:<15}"), "Camera paths a second since the first pass."),
         (format!("{latency} ms"), "From the last change to its first pixels."),
@@ -98,6 +100,16 @@ fn progress(ui: &mut Ui, document: &Document, facts: &Facts) {
             break;
         }
     }
+}
+
+/// 1.81 % (1.70 to 1.95 %), or 1.8 % ? while it is not reliable.
+fn error(error: ErrorEstimate) -> String {
+    let Interval { low, high } = error.relative.interval;
+    let value = percent(error.relative.value);
+    if !error.reliable {
+        return format!("{value} ?");
+    }
+    format!("{value} ({} to {})", percent(low).trim_end_matches(" %"), percent(high))
 }
 
 fn nonfinite(ui: &mut Ui, snapshot: &Snapshot) {
@@ -160,7 +172,7 @@ fn figure(ui: &mut Ui, text: String, tip: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use burnish::progressive::{Counts, ErrorEstimate, TileGrid};
+    use burnish::progressive::{Counts, Figure, TileGrid};
     use burnish::scene::{Report, SceneBuilder};
     use egui_kittest::Harness;
     use egui_kittest::kittest::Queryable;
@@ -202,14 +214,25 @@ mod tests {
         }
     }
 
+    fn one_percent(reliable: bool) -> ErrorEstimate {
+        let figure = Figure { value: 1e-2, interval: Interval { low: 0.9e-2, high: 1.2e-2 } };
+        ErrorEstimate { rel_mse: figure, relative: figure, rmse: figure, terms: 99.0, reliable }
+    }
+
+    #[test]
+    fn an_error_that_is_not_reliable_is_doubted() {
+        let words = words(1200.0, |s| s.error = Some(one_percent(false)));
+        assert!(words.iter().any(|w| w == "rel. error 1.00 % ?"), "{words:?}");
+    }
+
     #[test]
     fn states_errors_and_faults_are_told() {
         let words = words(1200.0, |s| {
             s.state = State::Done;
-            s.error = Some(ErrorEstimate { rel_mse: 1e-4, relative: 1e-2 });
+            s.error = Some(one_percent(true));
             s.counts.nonfinite = 3;
         });
-        for expected in ["done", "rel. error 1.00 %", "3 samples not finite"] {
+        for expected in ["done", "rel. error 1.00 % (0.90 to 1.20 %)", "3 samples not finite"] {
             assert!(words.iter().any(|w| w == expected), "{expected}: {words:?}");
         }
     }

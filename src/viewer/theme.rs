@@ -15,6 +15,9 @@ pub(super) const RADIUS: CornerRadius = CornerRadius::same(4);
 pub(super) const ROW: f32 = 24.0;
 pub(super) const LABELS: f32 = 72.0;
 
+/// Behind white words that must not be overlooked.
+pub(super) const ALARM: Color32 = Color32::from_rgb(0xb8, 0x1c, 0x14);
+
 /// The one accent, a polished bronze; on dark ground and on light.
 fn accent(dark: bool) -> Color32 {
     if dark { Color32::from_rgb(0xd6, 0x9b, 0x5c) } else { Color32::from_rgb(0x8a, 0x56, 0x20) }
@@ -89,11 +92,7 @@ fn visuals(dark: bool) -> Visuals {
     v.weak_text_color = Some(weak);
     v.hyperlink_color = accent;
     v.warn_fg_color = accent;
-    v.error_fg_color = if dark {
-        Color32::from_rgb(0xff, 0x6b, 0x60)
-    } else {
-        Color32::from_rgb(0xb8, 0x1c, 0x14)
-    };
+    v.error_fg_color = if dark { Color32::from_rgb(0xff, 0x6b, 0x60) } else { ALARM };
     v.selection.bg_fill = if dark {
         Color32::from_rgb(0x86, 0x5a, 0x2c)
     } else {
@@ -161,6 +160,7 @@ mod tests {
                 ("hovered", v.widgets.hovered.text_color(), v.widgets.hovered.bg_fill),
                 ("pressed", v.widgets.active.text_color(), v.widgets.active.bg_fill),
                 ("chosen", Color32::WHITE, v.selection.bg_fill),
+                ("alarm", Color32::WHITE, ALARM),
                 ("quietly chosen", quiet(dark).1, quiet(dark).0),
             ] {
                 let ratio = contrast(text, ground);

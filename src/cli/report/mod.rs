@@ -1,5 +1,6 @@
 //! `burnish report`: figures about the program itself. One file a kind of figure.
 
+mod errata;
 mod latency;
 mod sheet;
 mod speed;
@@ -8,21 +9,27 @@ mod table;
 use super::{Failure, values};
 use std::path::{Path, PathBuf};
 
-/// Measures this program on this machine: how the error falls with time, or with --latency how
-/// soon a change is seen.
+/// Measures this program on this machine: how the error falls with time, with --latency how soon a
+/// change is seen, with --errata what each mistake on purpose does to the picture.
 #[derive(Debug, clap::Args)]
 #[command(allow_negative_numbers = true)]
 #[command(after_help = "Examples:
   burnish report table.scn --plot table.svg --csv table.csv
   burnish report --model ggx --strategy mis,bsdf --passes 256 --size 640x480
   burnish report furnace.scn --exact 1 --seconds 5
-  burnish report --latency table.scn --size 1600x1200 --changes 200")]
+  burnish report --latency table.scn --size 1600x1200 --changes 200
+  burnish report --errata --passes 256 --repeats 8")]
 pub(super) struct Args {
     /// Scenes to render: .scn, .obj or .ply files. The built-in scene without one.
     scenes: Vec<PathBuf>,
     /// Measures the time from a change of roughness to the tone-mapped picture that shows it.
     #[arg(long)]
     latency: bool,
+    /// Measures what each erratum does: the same passes with it and without, and the difference. Takes
+    /// --size, --passes, --repeats, --seed and --threads.
+    #[arg(long, conflicts_with_all = ["latency", "changes", "model", "strategy", "normals",
+          "seconds", "reference_passes", "reference", "exact", "csv", "plot"])]
+    errata: bool,
     /// How many changes.
     #[arg(long, value_name = "N", default_value_t = 200, requires = "latency",
           value_parser = clap::value_parser!(u32).range(1..=100_000))]
@@ -39,7 +46,11 @@ pub(super) struct Args {
 
 /// Measures and prints.
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    if args.latency { latency::run(args) } else { speed::run(args) }
+    match (args.latency, args.errata) {
+        (true, _) => latency::run(args),
+        (_, true) => errata::run(args),
+        _ => speed::run(args),
+    }
 }
 
 impl Args {

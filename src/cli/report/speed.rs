@@ -31,17 +31,17 @@ pub(super) struct Args {
     /// Passes of the last checkpoint; the others are the powers of 2 below.
     #[arg(long, value_name = "N", default_value_t = 64,
           value_parser = clap::value_parser!(u64).range(1..=Session::MAX_PASSES))]
-    passes: u64,
+    pub(super) passes: u64,
     /// Ends a curve before a checkpoint that would come after so many seconds.
     #[arg(long, value_name = "S", value_parser = values::seconds)]
     seconds: Option<f64>,
     /// How often everything is measured; medians of fewer than 5 tell little.
     #[arg(long, value_name = "R", default_value_t = 5,
           value_parser = clap::value_parser!(u32).range(1..=1000))]
-    repeats: u32,
+    pub(super) repeats: u32,
     /// Seed of the first repeat; the others have the next ones, the reference one far away.
     #[arg(long, value_name = "K", default_value_t = 0)]
-    seed: u64,
+    pub(super) seed: u64,
     /// Passes of the reference, rendered for each model with MIS; 16 times --passes without it.
     #[arg(long, value_name = "N", conflicts_with_all = ["reference", "exact"],
           value_parser = clap::value_parser!(u64).range(4..=Session::MAX_PASSES))]

@@ -19,7 +19,7 @@ fn every_control_is_found_by_its_label() {
     for slider in ["Roughness", "Exposure"] {
         desk.harness.get_by_role_and_label(Role::Slider, slider);
     }
-    for section in ["Materials", "View", "Scene", "Picture"] {
+    for section in ["Materials", "View", "Errata and method", "Scene", "Picture"] {
         desk.harness.get_by_label(section);
     }
     // And nothing that can be used is without a name.

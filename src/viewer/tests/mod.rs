@@ -2,6 +2,7 @@
 
 mod controls;
 mod files;
+mod method;
 mod picture;
 
 use super::app::App;

@@ -1,1 +1,0 @@
-//! Intervals: what the spread of a few numbers says about their mean.
