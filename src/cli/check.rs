@@ -4,6 +4,7 @@ use super::figures::significant;
 use super::{Failure, print, say, values};
 use burnish::brdf::{Erratum, Model, Normals, Roughness};
 use burnish::measure::check::{Bound, Effort, Proof, Subject, prove};
+use burnish::measure::energy::LobeEnergy;
 
 /// Proves the models: each against its textbook, its sampler and the tracer against it.
 ///
@@ -143,6 +144,15 @@ impl Table {
                 proof.name,
                 digits(proof.figure),
                 proof.says
+            ))?;
+        }
+        if let [roughness] = roughnesses {
+            let energy = LobeEnergy::of(model, *roughness);
+            print(format_args!(
+                "  With F = 1 the lobe keeps {} % of the light on average, {} % at the angle where it \
+                 keeps most.",
+                significant(100.0 * (1.0 - energy.loss()), 3),
+                significant(100.0 * energy.most(), 3)
             ))?;
         }
         print("")?;
