@@ -119,9 +119,9 @@ impl Renders {
             let Some(shot) = shots.get(look) else { continue };
             let mut truth = [0.0; 2];
             for (i, x) in shot.mean.iter().enumerate() {
-                for c in 0..3 {
+                for (c, &x) in x.iter().enumerate() {
                     let (reference, noise) = self.others(render, i, c);
-                    let off = x[c] as f64 - reference;
+                    let off = x as f64 - reference;
                     // Means are stored in single precision.
                     let room = wide * shot.standard_error[i][c] as f64 + 1e-6 * reference.abs();
                     held += u64::from(off.abs() <= room);
@@ -167,9 +167,9 @@ impl Renders {
         let n = self.shots.len() as f64;
         let mut sum = 0.0;
         for (i, x) in picture.iter().enumerate() {
-            for c in 0..3 {
+            for (c, &x) in x.iter().enumerate() {
                 let reference = self.total[i][c] / n;
-                let off = (x[c] as f64 - reference).powi(2) - self.variance[i][c] / n;
+                let off = (x as f64 - reference).powi(2) - self.variance[i][c] / n;
                 sum += off / (reference * reference + REL_MSE_FLOOR);
             }
         }
