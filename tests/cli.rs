@@ -291,6 +291,53 @@ fn latency_is_reported_with_what_it_leaves_out() {
     assert!(0.0 < p50 && p50 <= p95 && p95 <= max, "{text}");
 }
 
+/// A shell sets a limit first, as an administrator would; then it becomes burnish.
+#[cfg(unix)]
+fn limited(limit: &str, args: &[&str]) -> Output {
+    let program = env!("CARGO_BIN_EXE_burnish");
+    let script = format!("{limit}; exec \"$0\" \"$@\"");
+    Command::new("sh").arg("-c").arg(script).arg(program).args(args).output().unwrap()
+}
+
+/// A limit on the size of files stands in for a full disk, which a test cannot have to itself: the
+/// system refuses in the middle of writing, and the file that was there is untouched.
+#[cfg(unix)]
+#[test]
+fn a_disk_that_is_full_costs_neither_the_old_file_nor_a_word() {
+    for name in ["a.png", "a.exr"] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = at(&folder, name);
+        fs::write(&path, "precious").unwrap();
+        let args = ["render", "-o", &path, "--size", "200x150", "--passes", "1"];
+        let output = limited("trap '' XFSZ; ulimit -f 4", &args);
+        assert_eq!(code(&output), 1, "{}", err(&output));
+        assert!(
+            err(&output).contains(name) && err(&output).contains("untouched"),
+            "{}",
+            err(&output)
+        );
+        assert_eq!(fs::read_to_string(&path).unwrap(), "precious");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "something is left behind");
+    }
+}
+
+/// A picture larger than memory is refused before anything is rendered, with what it would need.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_picture_larger_than_memory_is_refused_with_its_size() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = at(&folder, "a.exr");
+    let args = ["render", "-o", &path, "--size", "32768x32768", "--passes", "1"];
+    let output = limited("ulimit -v 4000000", &args);
+    assert_eq!(code(&output), 1, "{}", err(&output));
+    assert!(err(&output).contains("needs 120.0 GiB"), "{}", err(&output));
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    for size in ["65536x65536", "4294967296x1", "99999999999999999999x1"] {
+        let output = run(&["render", "-o", &path, "--size", size]);
+        assert!(code(&output) > 0 && err(&output).contains("32768"), "{size}: {}", err(&output));
+    }
+}
+
 const HEADER: &str = "Ks,model,ignored,param,wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,Kd";
 
 #[test]

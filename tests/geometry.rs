@@ -312,6 +312,13 @@ fn odd_geometry_builds_and_answers() {
     let mut stack = scene.bvh().stack();
     let ray = Ray { o: V3::new(0.0, 0.0, -5.0), d: V3::new(0.0, 0.0, 1.0) };
     assert!(scene.bvh().closest(scene.geometry(), &ray, 1e9, &mut stack).is_none());
+    // A material that is not there.
+    let mut b = SceneBuilder::new("no material");
+    let told = b.sphere(DVec3::ZERO, 1.0, 0).unwrap_err().to_string();
+    assert!(told.contains("no material 0"), "{told}");
+    assert!(b.cylinder(DVec3::ZERO, DVec3::Z, 1.0, 7).is_err());
+    assert!(b.cuboid(DVec3::ZERO, DVec3::ONE, u32::MAX).is_err());
+    assert_eq!((b.shapes(), b.is_lit()), (0, false));
     // One triangle; broken ones are dropped and counted.
     let mut b = SceneBuilder::new("one");
     let m = clay(&mut b);
