@@ -60,6 +60,8 @@ fn every_help_has_an_example_that_names_its_subcommand() {
         (&["render", "--help"], "burnish render table.scn -o table.exr"),
         (&["brdf", "--help"], "burnish brdf --eval"),
         (&["report", "--help"], "burnish report --latency"),
+        (&["report", "--help"], "burnish report table.scn --plot"),
+        (&["compare", "--help"], "burnish compare fast.exr"),
     ] {
         let help = must(args);
         assert!(help.contains("Examples:") && help.contains(example), "{args:?}: {help}");
@@ -98,7 +100,18 @@ fn bad_arguments_are_code_2_and_named() {
         assert_eq!(code(&output), 2, "{more:?}: {}", err(&output));
         assert!(err(&output).contains(named), "{more:?}: {}", err(&output));
     }
-    for args in [&["render"][..], &["report"], &["brdf"], &["brdf", "--albedo", "--ks", "1.5"]] {
+    for args in [
+        &["render"][..],
+        &["compare", "a.exr"],
+        &["report", "--model", "lambert"],
+        &["report", "--strategy", "mis,"],
+        &["report", "--exact", "-1"],
+        &["report", "--exact", "1", "--reference-passes", "64"],
+        &["report", "--latency", "--passes", "4"],
+        &["report", "--changes", "4"],
+        &["brdf"],
+        &["brdf", "--albedo", "--ks", "1.5"],
+    ] {
         assert_eq!(code(&run(args)), 2, "{args:?}");
     }
     assert!(!Path::new("never-written.png").exists());
@@ -108,9 +121,12 @@ fn bad_arguments_are_code_2_and_named() {
 fn a_missing_scene_is_code_1_and_named_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     let (scene, picture) = (at(&folder, "no-such.scn"), at(&folder, "a.png"));
-    for args in
-        [&["render", &scene, "-o", &picture][..], &["report", "--latency", &scene], &[&scene]]
-    {
+    for args in [
+        &["render", &scene, "-o", &picture][..],
+        &["report", "--latency", &scene],
+        &["report", &scene],
+        &[&scene],
+    ] {
         let output = run(args);
         assert_eq!(code(&output), 1, "{args:?}");
         let text = err(&output);
@@ -235,6 +251,54 @@ fn the_picture_depends_on_what_it_should_and_on_nothing_else() {
     assert!(!same(&["--model", "phong"], &["--model", "ggx"]));
     assert!(!same(&["--alpha", "0.1"], &["--alpha", "0.4"]));
     assert!(!same(&["--max-depth", "1"], &[]));
+    for (strategy, alike) in [("mis", true), ("light", false), ("bsdf", false)] {
+        assert_eq!(same(&["--strategy", strategy], &[]), alike, "{strategy}");
+    }
+    assert!(same(&["--normals", "visible"], &[]));
+    assert!(!same(&["--normals", "distribution"], &[]));
+    assert!(!same(&["--erratum", "ggx-g-sum"], &[]));
+    assert!(same(&["--model", "phong", "--erratum", "ggx-g-sum"], &["--model", "phong"]));
+}
+
+#[test]
+fn a_picture_that_is_wrong_on_purpose_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let [exr, stats] = ["a.exr", "a.json"].map(|name| at(&folder, name));
+    let small = ["render", "-o", &exr, "--stats", &stats, "--size", "32x24", "--passes", "2"];
+    let with = |more: &[&str]| {
+        let output = run(&[&small[..], more].concat());
+        assert_eq!(code(&output), 0, "{}", err(&output));
+        (err(&output), json(&stats))
+    };
+    let (said, j) = with(&["--erratum", "double-direct", "--normals", "distribution"]);
+    assert!(said.contains("wrong on purpose: double-direct: a light counts in full"), "{said}");
+    let named = ["strategy", "normals", "erratum"].map(|name| j[name].as_str());
+    assert_eq!(named, [Some("mis"), Some("distribution"), Some("double-direct")]);
+    let (said, j) = with(&["--strategy", "bsdf"]);
+    assert!(!said.contains("wrong"), "{said}");
+    assert_eq!((j["strategy"].as_str(), j["erratum"].is_null()), (Some("bsdf"), true));
+    let (said, _) = with(&["--model", "phong", "--erratum", "ggx-g-sum"]);
+    assert!(said.contains("about GGX and has no effect on Phong"), "{said}");
+    let help = must(&["render", "--help"]);
+    for erratum in burnish::brdf::Erratum::ALL {
+        assert!(help.contains(erratum.name()), "{} is not in the help", erratum.name());
+    }
+}
+
+/// Small and short: the table's form, and the one effect that no noise can hide.
+#[test]
+fn the_report_measures_every_erratum() {
+    let small = ["--size", "40x30", "--passes", "8", "--repeats", "3"];
+    let text = must(&[&["report", "--errata"][..], &small].concat());
+    for erratum in burnish::brdf::Erratum::ALL {
+        assert!(text.lines().any(|l| l.starts_with(erratum.name())), "{text}");
+    }
+    let row = text.lines().find(|l| l.starts_with("double-direct")).unwrap();
+    let change: f64 = row.split_whitespace().nth(2).unwrap().parse().unwrap();
+    assert!(change > 20.0, "{row}");
+    for other in ["--latency", "--model=ggx", "--csv=never-written.csv"] {
+        assert_eq!(code(&run(&["report", "--errata", other])), 2, "{other}");
+    }
 }
 
 #[test]
@@ -291,51 +355,191 @@ fn latency_is_reported_with_what_it_leaves_out() {
     assert!(0.0 < p50 && p50 <= p95 && p95 <= max, "{text}");
 }
 
-/// A shell sets a limit first, as an administrator would; then it becomes burnish.
-#[cfg(unix)]
-fn limited(limit: &str, args: &[&str]) -> Output {
-    let program = env!("CARGO_BIN_EXE_burnish");
-    let script = format!("{limit}; exec \"$0\" \"$@\"");
-    Command::new("sh").arg("-c").arg(script).arg(program).args(args).output().unwrap()
+/// The number in a line of `burnish compare` that begins with this name.
+fn compared(text: &str, name: &str) -> f64 {
+    let line = text.lines().find(|l| l.starts_with(&format!("{name}  ")));
+    let line = line.unwrap_or_else(|| panic!("no {name} in {text}"));
+    line[name.len()..].split_whitespace().next().unwrap().parse().unwrap()
 }
 
-/// A limit on the size of files stands in for a full disk, which a test cannot have to itself: the
-/// system refuses in the middle of writing, and the file that was there is untouched.
-#[cfg(unix)]
-#[test]
-fn a_disk_that_is_full_costs_neither_the_old_file_nor_a_word() {
-    for name in ["a.png", "a.exr"] {
-        let folder = tempfile::tempdir().unwrap();
-        let path = at(&folder, name);
-        fs::write(&path, "precious").unwrap();
-        let args = ["render", "-o", &path, "--size", "200x150", "--passes", "1"];
-        let output = limited("trap '' XFSZ; ulimit -f 4", &args);
-        assert_eq!(code(&output), 1, "{}", err(&output));
-        assert!(
-            err(&output).contains(name) && err(&output).contains("untouched"),
-            "{}",
-            err(&output)
-        );
-        assert_eq!(fs::read_to_string(&path).unwrap(), "precious");
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "something is left behind");
-    }
+const COMPARED: [&str; 11] = [
+    "MSE",
+    "MSE of 99.9 %",
+    "relMSE",
+    "relMSE of 99.9 %",
+    "relative RMSE",
+    "scale-free MSE",
+    "SMAPE",
+    "mean error",
+    "relative mean error",
+    "FLIP",
+    "HDR-FLIP",
+];
+
+/// A picture of one grey, written as EXR.
+fn grey(path: &str, size: [u32; 2], value: f32) {
+    let mut picture = burnish::picture::Picture::black(size[0], size[1]);
+    picture.pixels.fill([value; 3]);
+    burnish::picture::write(path.as_ref(), &picture, Default::default()).unwrap();
 }
 
-/// A picture larger than memory is refused before anything is rendered, with what it would need.
-#[cfg(target_os = "linux")]
 #[test]
-fn a_picture_larger_than_memory_is_refused_with_its_size() {
+fn compared_with_itself_a_picture_has_no_error() {
     let folder = tempfile::tempdir().unwrap();
-    let path = at(&folder, "a.exr");
-    let args = ["render", "-o", &path, "--size", "32768x32768", "--passes", "1"];
-    let output = limited("ulimit -v 4000000", &args);
-    assert_eq!(code(&output), 1, "{}", err(&output));
-    assert!(err(&output).contains("needs 120.0 GiB"), "{}", err(&output));
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
-    for size in ["65536x65536", "4294967296x1", "99999999999999999999x1"] {
-        let output = run(&["render", "-o", &path, "--size", size]);
-        assert!(code(&output) > 0 && err(&output).contains("32768"), "{size}: {}", err(&output));
+    let exr = at(&folder, "a.exr");
+    must(&["render", "-o", &exr, "--size", "48x36", "--passes", "2"]);
+    let text = must(&["compare", &exr, &exr]);
+    for name in COMPARED {
+        assert_eq!(compared(&text, name), 0.0, "{name} in {text}");
     }
+}
+
+#[test]
+fn compared_greys_differ_by_what_they_should() {
+    let folder = tempfile::tempdir().unwrap();
+    let [a, b, difference, flip] = ["a.exr", "b.exr", "d.png", "f.png"].map(|n| at(&folder, n));
+    grey(&a, [40, 30], 0.75);
+    grey(&b, [40, 30], 0.5);
+    let text = must(&["compare", &a, &b, "-o", &difference, "--flip", &flip, "--scale", "0.25"]);
+    let near = |name: &str, expected: f64| {
+        let found = compared(&text, name);
+        assert!((found - expected).abs() <= 1e-4 * expected, "{name}: {found}, not {expected}");
+    };
+    near("MSE", 0.0625);
+    near("MSE of 99.9 %", 0.0625);
+    near("relMSE", 0.0625 / 0.26);
+    near("relative RMSE", (0.0625f64 / 0.26).sqrt());
+    near("scale-free MSE", 0.0625 / 0.2525);
+    near("SMAPE", 0.25 / 1.26);
+    near("mean error", 0.25);
+    near("relative mean error", 0.5);
+    assert!(text.contains("mean(((x - r)^2 - s^2) / (r^2 + 0.01))"), "{text}");
+    assert!(text.contains("red +0.250") && text.contains("40x30"), "{text}");
+    // Beyond the scale on the bright side: red all over. FLIP sees it too.
+    let [r, g, b] = image::open(&difference).unwrap().to_rgb8().get_pixel(20, 15).0;
+    assert!(r > 2 * g && r > 2 * b, "{r} {g} {b}");
+    assert!(image::open(&flip).unwrap().to_rgb8().pixels().all(|p| p.0 != [0; 3]));
+}
+
+#[test]
+fn what_cannot_be_compared_is_code_1_and_says_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let [a, b, png, none] = ["a.exr", "b.exr", "c.png", "d.exr"].map(|n| at(&folder, n));
+    grey(&a, [40, 30], 0.5);
+    grey(&b, [30, 40], 0.5);
+    must(&["render", "-o", &png, "--size", "40x30", "--passes", "1"]);
+    for (args, parts) in [
+        ([&a, &b], ["40x30", "30x40"]),
+        ([&a, &png], ["c.png", "only OpenEXR"]),
+        ([&none, &a], ["d.exr", "cannot be opened"]),
+    ] {
+        let output = run(&["compare", args[0], args[1]]);
+        let text = err(&output);
+        assert_eq!((code(&output), text.lines().count()), (1, 1), "{text}");
+        assert!(parts.iter().all(|part| text.contains(part)), "{parts:?} in {text}");
+    }
+    let mut picture = burnish::picture::read_exr(a.as_ref()).unwrap();
+    picture.pixels[7][1] = f32::NAN;
+    burnish::picture::write(b.as_ref(), &picture, Default::default()).unwrap();
+    let text = must(&["compare", &b, &a]);
+    assert!(text.contains("left out: 1 pixels"), "{text}");
+    assert_eq!(compared(&text, "MSE"), 0.0);
+    assert!(text.lines().any(|l| l.starts_with("HDR-FLIP") && l.contains("no answer")), "{text}");
+}
+
+#[test]
+fn speed_against_error_is_a_table_a_sheet_and_a_plot() {
+    let folder = tempfile::tempdir().unwrap();
+    let [csv, svg] = ["a.csv", "a.svg"].map(|name| at(&folder, name));
+    let text = must(&[
+        "report",
+        "--size",
+        "32x24",
+        "--passes",
+        "4",
+        "--repeats",
+        "2",
+        "--model",
+        "ggx,phong",
+        "--normals",
+        "all",
+        "--seed",
+        "3",
+        "--csv",
+        &csv,
+        "--plot",
+        &svg,
+    ]);
+    for part in [
+        "32x24",
+        "medians of 2 repeats",
+        "64 passes with MIS",
+        "Phong, BSDF only",
+        "GGX, MIS, all normals",
+        "mean(((x - r)^2 - s^2) / (r^2 + 0.01))",
+        "1 / (relMSE seconds)",
+        "HDR-FLIP",
+        "+-",
+    ] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+    let rows = table(&fs::read_to_string(&csv).unwrap());
+    // Two repeats of GGX by six ways and Phong by three, at 1, 2 and 4 passes.
+    assert_eq!(rows.len(), 2 * 9 * 3);
+    let number = |row: &HashMap<String, String>, name: &str| -> f64 {
+        row[name].parse().unwrap_or_else(|_| panic!("{name} in {row:?}"))
+    };
+    for rows in rows.chunks_exact(3) {
+        let same = |name: &str| rows.iter().all(|row| row[name] == rows[0][name]);
+        assert!(["model", "strategy", "normals", "repeat", "seed"].into_iter().all(same));
+        assert_eq!(number(&rows[0], "seed"), 3.0 + number(&rows[0], "repeat"));
+        assert_eq!([0, 1, 2].map(|i| number(&rows[i], "passes")), [1.0, 2.0, 4.0]);
+        for row in rows {
+            assert_eq!((number(row, "width"), number(row, "height")), (32.0, 24.0));
+            for name in ["seconds", "rays", "mse", "smape", "reference_noise", "threads"] {
+                assert!(number(row, name) > 0.0, "{name} in {row:?}");
+            }
+            assert!(number(row, "mse_trimmed") < number(row, "mse"));
+            let product = ["efficiency", "rel_mse", "seconds"].map(|name| number(row, name));
+            assert!((product.iter().product::<f64>() - 1.0).abs() < 1e-9, "{row:?}");
+        }
+        assert!(number(&rows[2], "flip") > 0.0 && number(&rows[2], "hdr_flip") > 0.0);
+        assert!(rows[0]["flip"].is_empty());
+    }
+    let svg = fs::read_to_string(&svg).unwrap();
+    for part in ["<svg", "</svg>", "seconds of tracing", "relative RMSE in %", "Phong, light only"]
+    {
+        assert!(svg.contains(part), "{part}");
+    }
+}
+
+/// Nothing but sky of radiance 1.
+const SKY: &str = "screen 32 24\ncamera 0 0 0 1 x 0\nenvironment 1 1 1\n\
+                   brdf 0.5 0.5 0.5  0 0 0  1\nsphere 0 0 50  1\n";
+
+/// A given picture and an exact answer stand in for the rendered reference.
+#[test]
+fn a_report_takes_other_references() {
+    let folder = tempfile::tempdir().unwrap();
+    let [scene, exr, csv] = ["furnace.scn", "r.exr", "a.csv"].map(|name| at(&folder, name));
+    fs::write(&scene, SKY).unwrap();
+    grey(&exr, [32, 24], 0.5);
+    let few = ["--size", "32x24", "--passes", "1", "--repeats", "1", "--csv", &csv];
+    for (given, expected) in [
+        (["--exact", "0.5"], 0.25 / 0.26),
+        (["--reference", &exr], 0.25 / 0.26),
+        (["--exact", "1"], 0.0),
+        (["--reference-passes", "2"], 0.0),
+    ] {
+        must(&[&["report", &scene, "--model", "ggx"][..], &few, &given].concat());
+        for row in table(&fs::read_to_string(&csv).unwrap()) {
+            let found: f64 = row["rel_mse"].parse().unwrap();
+            assert!((found - expected).abs() < 1e-6, "{given:?}: {found}, not {expected}");
+        }
+    }
+    let output = run(&["report", &scene, "--size", "40x24", "--reference", &exr]);
+    let text = err(&output);
+    assert!(code(&output) == 1 && text.contains("--size 32x24"), "{text}");
 }
 
 const HEADER: &str = "Ks,model,ignored,param,wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,Kd";

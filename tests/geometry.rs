@@ -55,50 +55,69 @@ fn scene_of(mesh: &Mesh, placement: DAffine3) -> Scene {
     b.build()
 }
 
-/// From inside a closed mesh every ray hits, whatever it is aimed at: 10 million of them.
+/// Rays from points within a closed scene, aimed at its vertices, its edges, along the axes and
+/// `random` times anywhere, and how many found nothing. Each is asked for its nearest hit and for
+/// any hit, which is all that the tracer asks.
+fn leaks(scene: &Scene, origins: u32, random: u32, r: &mut Random) -> (u64, u64) {
+    let g = scene.geometry();
+    let mut stack = scene.bvh().stack();
+    let (mut rays, mut leaks) = (0, 0);
+    let mut shoot = |o: V3, d: V3| {
+        let ray = Ray { o, d };
+        let nearest = scene.bvh().closest(g, &ray, f32::INFINITY, &mut stack).is_some();
+        let any = scene.bvh().occluded(g, &ray, f32::INFINITY, &mut stack);
+        rays += 1;
+        leaks += u64::from(!(nearest && any));
+    };
+    for k in 0..origins {
+        let o = if k == 0 {
+            V3::default()
+        } else {
+            v3(DVec3::from_array(r.direction()) * r.within(0.0, 0.45))
+        };
+        for &p in &g.positions {
+            shoot(o, p - o);
+        }
+        for t in &g.triangles {
+            let [a, b, c] = t.map(|i| g.positions[i as usize]);
+            let f = r.unit();
+            shoot(o, a + (b - a) * f - o);
+            shoot(o, (b + c) * 0.5 - o);
+            shoot(o, (c + a) * 0.5 - o);
+        }
+        for _ in 0..random {
+            shoot(o, v3(DVec3::from_array(r.direction())));
+        }
+        for axis in [V3::new(1.0, 0.0, 0.0), V3::new(0.0, 1.0, 0.0), V3::new(0.0, 0.0, 1.0)] {
+            shoot(o, axis);
+            shoot(o, -axis);
+        }
+    }
+    (rays, leaks)
+}
+
+/// From inside a closed mesh every ray hits, whatever it is aimed at: 10 million about each place.
 #[test]
 fn closed_meshes_leak_nothing() {
     let mut r = Random::new(1);
     for place in [DVec3::ZERO, DVec3::new(148_376.0, 1234.0, -223_423.0)] {
+        let mut rays = 0;
         for scale in [1.0, 1e-6, 1e6] {
             let placement = DAffine3::from_translation(place * scale)
                 * DAffine3::from_scale(DVec3::splat(scale));
-            let scene = scene_of(&ball(5), placement);
-            let g = scene.geometry();
-            let mut stack = scene.bvh().stack();
-            let mut leaks = 0;
-            let mut shoot = |o: V3, d: V3| {
-                let ray = Ray { o, d };
-                leaks += scene.bvh().closest(g, &ray, f32::INFINITY, &mut stack).is_none() as u32;
-                leaks += !scene.bvh().occluded(g, &ray, f32::INFINITY, &mut stack) as u32;
-            };
-            for k in 0..36 {
-                let o = if k == 0 {
-                    V3::default()
-                } else {
-                    v3(DVec3::from_array(r.direction()) * r.within(0.0, 0.45))
-                };
-                for &p in &g.positions {
-                    shoot(o, p - o);
-                }
-                for t in &g.triangles {
-                    let [a, b, c] = t.map(|i| g.positions[i as usize]);
-                    let f = r.unit();
-                    shoot(o, a + (b - a) * f - o);
-                    shoot(o, (b + c) * 0.5 - o);
-                    shoot(o, (c + a) * 0.5 - o);
-                }
-                for _ in 0..20_000 {
-                    shoot(o, v3(DVec3::from_array(r.direction())));
-                }
-                for axis in [V3::new(1.0, 0.0, 0.0), V3::new(0.0, 1.0, 0.0), V3::new(0.0, 0.0, 1.0)]
-                {
-                    shoot(o, axis);
-                    shoot(o, -axis);
-                }
+            let ball = scene_of(&ball(5), placement);
+            // The box's faces share no vertices, only their places.
+            let mut b = SceneBuilder::new("box");
+            let m = clay(&mut b);
+            let corner = (place - DVec3::new(0.9, 0.7, 0.6)) * scale;
+            b.cuboid(corner, DVec3::new(1.8, 1.4, 1.2) * scale, m).unwrap();
+            for (scene, origins, random) in [(ball, 65, 20_000), (b.build(), 4000, 10)] {
+                let (more, leaks) = leaks(&scene, origins, random, &mut r);
+                assert_eq!(leaks, 0, "at {place}, scale {scale}");
+                rays += more;
             }
-            assert_eq!(leaks, 0, "at {place}, scale {scale}");
         }
+        assert!(rays >= 10_000_000, "{rays} rays at {place}");
     }
 }
 
@@ -233,7 +252,7 @@ fn leaving_a_convex_shape_never_meets_it_again() {
     let mut r = Random::new(3);
     for scale in [1e-6, 1.0, 1e6] {
         for shift in [0.0, 1e4, 1e6] {
-            for shape in 0..4 {
+            for shape in 0..8 {
                 let mut b = SceneBuilder::new("convex");
                 let m = clay(&mut b);
                 let at = DVec3::new(0.3, -0.7, 0.2) * scale + DVec3::splat(shift * scale);
@@ -241,11 +260,17 @@ fn leaving_a_convex_shape_never_meets_it_again() {
                     0 => b.sphere(at, 0.7 * scale, m).unwrap(),
                     1 => b.cylinder(at, DVec3::new(0.3, 0.5, 0.8) * scale, 0.2 * scale, m).unwrap(),
                     2 => b.cuboid(at, DVec3::new(1.0, 0.3, 2.0) * scale, m).unwrap(),
-                    _ => {
+                    3 => {
                         let place = DAffine3::from_translation(at)
                             * DAffine3::from_scale(DVec3::splat(scale));
                         b.mesh(&ball(3), place, m).map(|_| ()).unwrap();
                     }
+                    // Flat, through the very middle of the scene, across each axis.
+                    4 => b.cuboid(at, DVec3::new(0.0, 1.0, 0.8) * scale, m).unwrap(),
+                    5 => b.cuboid(at, DVec3::new(0.7, 0.0, 1.0) * scale, m).unwrap(),
+                    6 => b.cuboid(at, DVec3::new(1.0, 0.9, 0.0) * scale, m).unwrap(),
+                    // Slender: a hundred times as long as wide.
+                    _ => b.cuboid(at, DVec3::new(0.01, 1.0, 0.3) * scale, m).unwrap(),
                 }
                 let scene = b.build();
                 let g = scene.geometry();
@@ -277,6 +302,35 @@ fn leaving_a_convex_shape_never_meets_it_again() {
                     );
                 }
             }
+        }
+    }
+}
+
+/// Long thin triangles lose digits in their weights, not in where they are.
+#[test]
+fn leaving_a_slender_shape_never_meets_it_again() {
+    let mut r = Random::new(5);
+    for width in [1e-1, 1e-2, 1e-3, 1e-4] {
+        let mut b = SceneBuilder::new("slender");
+        let m = clay(&mut b);
+        b.cuboid(DVec3::ZERO, DVec3::new(width, 1.0, 1.0), m).unwrap();
+        let scene = b.build();
+        let g = scene.geometry();
+        let mut stack = scene.bvh().stack();
+        for _ in 0..200_000 {
+            // Onto one of the narrow faces.
+            let mut across = || r.within(-0.5 * width, 0.5 * width);
+            let (x, y) = (across(), across());
+            let o = v3(DVec3::new(x, 3.0, r.within(-1.0, 1.0)));
+            let ray = Ray { o, d: v3(DVec3::new(y, 0.0, r.within(-0.5, 0.5))) - o };
+            let hit = scene.bvh().closest(g, &ray, f32::INFINITY, &mut stack).unwrap();
+            let s = g.surface(&ray, &hit);
+            let ng = if s.ng.dot(ray.d) > 0.0 { -s.ng } else { s.ng };
+            let d = v3(DVec3::from_array(r.direction()));
+            let d = if ng.dot(d) > 0.0 { d } else { -d };
+            let away = Ray { o: offset_origin(s.p, s.error, ng, d), d };
+            let again = scene.bvh().closest(g, &away, f32::INFINITY, &mut stack);
+            assert!(again.is_none(), "width {width}: {again:?} {d:?}");
         }
     }
 }

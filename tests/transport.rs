@@ -291,8 +291,9 @@ fn a_light_seen_directly_is_exact() {
 }
 
 /// In a perfectly white room throughput never falls and no sample is lost: roulette alone ends
-/// paths. One camera ray, 8 rays for certain, then 0.95 / (1 - 0.95) = 19 on the mean: 28 rays
-/// without shadow rays.
+/// paths. One camera ray, 8 rays for certain; then event k is left with the chance 1 - 2 / (k + 64),
+/// so that event m is reached with 70 * 71 / ((m + 62) (m + 63)). Summed up to the cap of 1000
+/// events that is 74.3 rays without shadow rays, and 0.44 % of the paths meet the cap.
 #[test]
 fn a_white_room_ends_by_roulette_as_expected() {
     let mut b = SceneBuilder::new("white room");
@@ -301,11 +302,15 @@ fn a_white_room_ends_by_roulette_as_expected() {
     b.camera = Some(camera(DVec3::new(0.1, 0.0, 0.0), DVec3::X, 1.0));
     b.screen = [16, 16];
     let params = Params { strategy: Strategy::BsdfOnly, ..Params::new(Arc::new(b.build())) };
-    let s = render(params, 64, 0).unwrap();
-    assert_eq!((s.counts.nonfinite, s.counts.capped), (0, 0));
+    let s = render(params, 256, 0).unwrap();
+    assert_eq!(s.counts.nonfinite, 0);
+    let reached = |m: f64| 70.0 * 71.0 / ((m + 62.0) * (m + 63.0));
+    let expected = 9.0 + (9..=1000).map(|m| reached(m as f64)).sum::<f64>();
     let rays = s.counts.rays as f64 / s.counts.paths as f64;
-    // A path's count has a standard deviation of about 20: 0.16 for the mean of 16,384.
-    assert!((rays - 28.0).abs() < 0.7, "{rays} rays a path");
+    // A path's count has a standard deviation of about 150: 0.6 for the mean of 65,536.
+    assert!((rays - expected).abs() < 2.6, "{rays} rays a path, not {expected}");
+    let (capped, expected) = (s.counts.capped as f64, reached(1000.0) * s.counts.paths as f64);
+    assert!((capped - expected).abs() < 4.5 * expected.sqrt(), "{capped} capped, not {expected}");
 }
 
 #[test]

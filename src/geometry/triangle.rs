@@ -5,6 +5,10 @@ use super::{Geometry, SurfacePoint};
 use crate::math::lanes::Wide;
 use crate::math::{Mask, V3};
 
+/// Hits nearer than this, in units of the scene along the ray's fastest axis, have their distance
+/// decided in f64.
+const NEAR: f32 = 1.0 / 256.0;
+
 /// Eight triangles by component: `v[vertex][axis][lane]`.
 #[derive(Clone, Debug)]
 #[repr(align(32))]
@@ -84,7 +88,11 @@ pub(super) fn intersect<W: Wide>(pack: &Pack, ray: &Sheared, t_max: f32) -> Opti
         return None;
     }
     let inverse = W::splat(1.0) / det;
-    let t = (u * az + v * bz + w * cz) * W::splat(ray.s[2]) * inverse;
+    let mut t = (u * az + v * bz + w * cz) * W::splat(ray.s[2]) * inverse;
+    let near = inside & t.gt(zero) & t.le(W::splat(NEAR * ray.s[2].abs()));
+    if near.any() {
+        t = decide_distances::<W>(near.bits(), pack, ray, t.store());
+    }
     let hit = inside & t.gt(zero) & t.le(W::splat(t_max));
     if !hit.any() {
         return None;
@@ -133,6 +141,30 @@ fn decide_edges<W: Wide>(
     (W::load(&uvw[0]), W::load(&uvw[1]), W::load(&uvw[2]))
 }
 
+/// The distances again in f64 for these lanes. Of a slender triangle the weights are differences of
+/// nearly equal products, and a ray that leaves it could meet it again.
+#[cold]
+#[inline(never)]
+fn decide_distances<W: Wide>(lanes: u32, pack: &Pack, ray: &Sheared, mut t: [f32; 8]) -> W {
+    let [kx, ky, kz] = ray.k;
+    let [ox, oy, oz] = ray.o.map(f64::from);
+    let [sx, sy, sz] = ray.s.map(f64::from);
+    for i in (0..8).filter(|i| lanes >> i & 1 != 0) {
+        let [a, b, c] = [0, 1, 2].map(|vertex| {
+            let row = |k: usize| pack.v[vertex][k][i] as f64;
+            let z = row(kz) - oz;
+            [row(kx) - ox - sx * z, row(ky) - oy - sy * z, z]
+        });
+        let cross = |p: [f64; 3], q: [f64; 3]| p[0] * q[1] - p[1] * q[0];
+        let (u, v, w) = (cross(c, b), cross(a, c), cross(b, a));
+        let distance = (u * a[2] + v * b[2] + w * c[2]) / (u + v + w) * sz;
+        if distance.is_finite() {
+            t[i] = distance as f32;
+        }
+    }
+    W::load(&t)
+}
+
 /// The surface at barycentric weights `b` of the second and third vertex.
 #[inline(always)]
 pub(super) fn surface(geometry: &Geometry, triangle: usize, b: [f32; 2]) -> SurfacePoint {
@@ -141,16 +173,16 @@ pub(super) fn surface(geometry: &Geometry, triangle: usize, b: [f32; 2]) -> Surf
     let (b1, b2) = (b[0], b[1]);
     let b0 = 1.0 - b1 - b2;
     let p = v0 * b0 + v1 * b1 + v2 * b2;
-    let largest = |f: fn(V3) -> f32| f(v0).abs().max(f(v1).abs()).max(f(v2).abs());
-    let size = V3::new(largest(|v| v.x), largest(|v| v.y), largest(|v| v.z));
+    let size = v0.abs().max_component().max(v1.abs().max_component()).max(v2.abs().max_component());
     // Rebuilding the point costs 4 roundings of the largest corner, meeting the plane again from
-    // anywhere off it about 10 more.
-    let error = size * (16.0 * ROUNDING);
+    // anywhere off it about 10 more. The test shears space, so that a rounding along one axis shows
+    // along the others too: even a floor at height 0 exactly is met again at a height that is not.
+    let error = V3::splat(size * (16.0 * ROUNDING));
     // A point that rounding has put past an edge may lie behind the neighbouring face. A step of
     // the error's size towards the middle brings it back.
     let inwards = (v0 + v1 + v2) * (1.0 / 3.0) - p;
     let reach = inwards.abs().max_component();
-    let step = 2.0 * error.max_component();
+    let step = 2.0 * error.x;
     let p = if reach > step { p + inwards * (step / reach) } else { p };
 
     let ng = (v1 - v0).cross(v2 - v0).normalize();

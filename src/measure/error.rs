@@ -8,9 +8,8 @@
 //!
 //! A pixel that is not finite in any channel of either picture is left out and counted.
 
-use crate::film::student;
+use crate::film::{REL_MSE_FLOOR, student};
 use crate::picture::Picture;
-use crate::progressive::Snapshot;
 use thiserror::Error;
 
 /// A measure: one number about two pictures, with all that a table needs to print it.
@@ -86,7 +85,7 @@ pub const SMAPE: Measure = Measure {
     name: "SMAPE",
     column: "smape",
     formula: "mean(|x - r| / (|x| + |r| + 0.01))",
-    compute: |pair| pair.mean(|v| (v.x - v.r).abs() / (v.x.abs() + v.r.abs() + FLOOR)),
+    compute: |pair| pair.mean(|v| (v.x - v.r).abs() / (v.x.abs() + v.r.abs() + REL_MSE_FLOOR)),
 };
 
 /// Signed error: a picture that is noisy but right has 0 within [`Pair::mean_error_margin`].
@@ -110,7 +109,7 @@ pub const REFERENCE_NOISE: Measure = Measure {
     name: "reference's own relMSE",
     column: "reference_noise",
     formula: "mean(s^2 / (r^2 + 0.01)), subtracted above",
-    compute: |pair| pair.mean(|v| v.s * v.s / (v.r * v.r + FLOOR)),
+    compute: |pair| pair.mean(|v| v.s * v.s / (v.r * v.r + REL_MSE_FLOOR)),
 };
 
 /// All of them, in the order in which tables have them.
@@ -127,15 +126,12 @@ pub const ALL: [Measure; 10] = [
     REFERENCE_NOISE,
 ];
 
-/// Keeps quotients finite in the dark.
-const FLOOR: f64 = 0.01;
-
 fn squared(v: Value) -> f64 {
     (v.x - v.r).powi(2) - v.s * v.s
 }
 
 fn relative_squared(v: Value) -> f64 {
-    squared(v) / (v.r * v.r + FLOOR)
+    squared(v) / (v.r * v.r + REL_MSE_FLOOR)
 }
 
 impl Measure {
@@ -167,10 +163,20 @@ impl Reference {
         Reference { picture, standard_error: None }
     }
 
-    /// A render of our own, with its own error as far as it has one.
-    pub fn rendered(snapshot: &Snapshot) -> Reference {
-        let standard_error = snapshot.error.map(|_| snapshot.standard_error());
-        Reference { picture: snapshot.mean(), standard_error }
+    /// The mean of two pictures of equal cost whose noise is independent. Half their difference is
+    /// the standard error of each value, of one degree of freedom: useless for a pixel by itself,
+    /// and just right for a mean over many.
+    pub fn halves(a: &Picture, b: &Picture) -> Result<Reference, PairError> {
+        let size = |p: &Picture| [p.width, p.height];
+        if size(a) != size(b) {
+            return Err(PairError::Size { picture: size(a), reference: size(b) });
+        }
+        let both = |f: fn(f32, f32) -> f32| {
+            let values = |(a, b): (&[f32; 3], &[f32; 3])| std::array::from_fn(|c| f(a[c], b[c]));
+            Picture { pixels: a.pixels.iter().zip(&b.pixels).map(values).collect(), ..*a }
+        };
+        let standard_error = Some(both(|a, b| 0.5 * (a - b).abs()));
+        Ok(Reference { picture: both(|a, b| 0.5 * (a + b)), standard_error })
     }
 
     /// The standard error of its mean over pixels and channels, as a share of that mean; 0 where
@@ -336,5 +342,5 @@ pub fn mean_margin(values: &[f64]) -> Option<f64> {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     let squares = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
-    Some(student(n - 1.0) * (squares / (n - 1.0) / n).sqrt())
+    (n > 1.0).then(|| student(n - 1.0) * (squares / (n - 1.0) / n).sqrt())
 }

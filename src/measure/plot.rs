@@ -61,7 +61,7 @@ const WIDTH: u32 = 880;
 const HEIGHT: u32 = 500;
 const LEGEND: u32 = 200;
 const LEGEND_LINE: i32 = 22;
-const GREY: RGBColor = RGBColor(150, 150, 150);
+const GREY: RGBColor = RGBColor(185, 185, 185);
 const INK: RGBColor = RGBColor(40, 40, 40);
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;

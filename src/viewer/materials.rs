@@ -10,7 +10,7 @@ use egui::{Align, Button, Layout, Response, RichText, ScrollArea, Ui};
 /// At least so many lines are shown at once; half a line tells that there are more.
 const LINES: f32 = 5.5;
 /// Height of all else in the panel, in points: a tall window has room for more lines.
-const REST: f32 = 550.0;
+const REST: f32 = 600.0;
 
 #[derive(Default)]
 pub(super) struct Materials {

@@ -20,7 +20,8 @@ use std::path::{Path, PathBuf};
   burnish report --latency table.scn --size 1600x1200 --changes 200
   burnish report --errata --passes 256 --repeats 8")]
 pub(super) struct Args {
-    /// Scenes to render: .scn, .obj or .ply files. The built-in scene without one.
+    /// Scenes to render: .scn, .obj or .ply files, or names of shipped ones. The built-in scene
+    /// without one.
     scenes: Vec<PathBuf>,
     /// Measures the time from a change of roughness to the tone-mapped picture that shows it.
     #[arg(long)]

@@ -39,12 +39,13 @@ pub(super) struct Args {
     #[arg(long, value_name = "R", default_value_t = 5,
           value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(super) repeats: u32,
-    /// Seed of the first repeat; the others have the next ones, the reference one far away.
+    /// Seed of the first repeat; the others have the next ones.
     #[arg(long, value_name = "K", default_value_t = 0)]
     pub(super) seed: u64,
-    /// Passes of the reference, rendered for each model with MIS; 16 times --passes without it.
+    /// Passes of the reference, rendered for each model with MIS in two halves of seeds that no
+    /// repeat has; 16 times --passes without it.
     #[arg(long, value_name = "N", conflicts_with_all = ["reference", "exact"],
-          value_parser = clap::value_parser!(u64).range(4..=Session::MAX_PASSES))]
+          value_parser = clap::value_parser!(u64).range(2..=Session::MAX_PASSES))]
     reference_passes: Option<u64>,
     /// Takes this picture for right instead, an OpenEXR file of the size of --size, for all models.
     #[arg(long, value_name = "FILE.exr", conflicts_with = "exact")]
@@ -149,9 +150,9 @@ impl Args {
             let words = format!("exactly {radiance} in every pixel");
             return Ok((Truth::Given(Reference::exact(size, [radiance; 3])), words));
         }
-        let passes = self.reference_passes.unwrap_or(self.passes.saturating_mul(16).max(4));
+        let passes = self.reference_passes.unwrap_or(self.passes.saturating_mul(16));
         let passes = passes.min(Session::MAX_PASSES);
-        Ok((Truth::Rendered { passes }, format!("{passes} passes with MIS and another seed")))
+        Ok((Truth::Rendered { passes }, format!("{passes} passes with MIS and other seeds")))
     }
 }
 

@@ -91,10 +91,10 @@ pub struct Plan {
 /// What is right.
 #[derive(Clone, Debug)]
 pub enum Truth {
-    /// A picture rendered by this program with so many passes and a seed that no repeat has, once
-    /// for each model.
+    /// A picture rendered by this program, once for each model, in two halves with seeds that no
+    /// repeat has: their difference is its own error.
     Rendered {
-        /// How many; from 4 on it knows its own error.
+        /// Of both halves together, at least 2.
         passes: u64,
     },
     /// The same for all models.
@@ -227,12 +227,15 @@ impl Plan {
                 Truth::Given(reference) => reference.clone(),
                 Truth::Rendered { passes } => {
                     watch(Stage::Reference(model));
-                    // Repeats count up from the base's seed: half the seeds away is out of reach.
-                    let seed = self.base.seed ^ 1 << 63;
                     let (strategy, normals) = (Strategy::Mis, Normals::Visible);
                     let best = Variant { model, strategy, normals };
-                    let params = Params { seed, ..best.params(&self.base) };
-                    Reference::rendered(&render(params, *passes, self.threads)?)
+                    let half = |place: u64| {
+                        // Repeats count up from the base's seed and do not come this far.
+                        let seed = self.base.seed ^ place << 62;
+                        let params = Params { seed, ..best.params(&self.base) };
+                        render(params, passes.div_ceil(2), self.threads)
+                    };
+                    Reference::halves(&half(1)?.mean(), &half(2)?.mean())?
                 }
             };
             references.push((model, reference));

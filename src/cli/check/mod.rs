@@ -1,9 +1,12 @@
 //! `burnish check`: the proofs of the models, as a table.
 
+mod whole;
+
 use super::figures::significant;
 use super::{Failure, print, say, values};
 use burnish::brdf::{Erratum, Model, Normals, Roughness};
 use burnish::measure::check::{Bound, Effort, Proof, Subject, prove};
+use burnish::measure::energy::LobeEnergy;
 
 /// Proves the models: each against its textbook, its sampler and the tracer against it.
 ///
@@ -62,18 +65,13 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         failures += table.print(model, &roughnesses)?;
     }
     if args.full && args.erratum.is_none() {
-        failures += whole_renderer(args)?;
+        failures += whole::exact_scenes()? + whole::error_bar(args.threads)?;
     }
     match failures {
         0 => Ok(()),
         1 => Err(Failure::new("1 proof fails")),
         n => Err(Failure::new(format_args!("{n} proofs fail"))),
     }
-}
-
-/// What `--full` proves beyond the BRDF: how many of it fail.
-fn whole_renderer(_args: &Args) -> Result<usize, Failure> {
-    Ok(0)
 }
 
 impl Args {
@@ -143,6 +141,15 @@ impl Table {
                 proof.name,
                 digits(proof.figure),
                 proof.says
+            ))?;
+        }
+        if let [roughness] = roughnesses {
+            let energy = LobeEnergy::of(model, *roughness);
+            print(format_args!(
+                "  With F = 1 the lobe keeps {} % of the light on average, {} % at the angle where it \
+                 keeps most.",
+                significant(100.0 * (1.0 - energy.loss()), 3),
+                significant(100.0 * energy.most(), 3)
             ))?;
         }
         print("")?;

@@ -1,0 +1,167 @@
+//! The BRDF itself, seen under a dome, a lamp, and a lamp where a mirror would show it.
+
+use super::ExactError;
+use super::stage::{ASIDE, Stage, lamp, plane, rectangle, viewer};
+use crate::brdf::{Model, Roughness};
+use crate::scene::{Camera, Material, MaterialId, SceneBuilder};
+use glam::DVec3;
+use serde::{Deserialize, Deserializer, de::Error};
+use std::f64::consts::FRAC_PI_4;
+
+/// A grey surface: `param` is Phong's exponent or the others' alpha.
+#[derive(Debug, Deserialize)]
+pub(super) struct Finish {
+    #[serde(deserialize_with = "model")]
+    pub model: Model,
+    param: f64,
+    kd: f64,
+    ks: f64,
+}
+
+fn model<'de, D: Deserializer<'de>>(from: D) -> Result<Model, D::Error> {
+    let name = String::deserialize(from)?;
+    let found = Model::ALL.into_iter().find(|m| m.name() == name);
+    found.ok_or_else(|| D::Error::custom(format!("no model is called {name}")))
+}
+
+impl Finish {
+    pub(super) fn material(
+        &self,
+        builder: &mut SceneBuilder,
+        emission: f64,
+    ) -> Result<MaterialId, ExactError> {
+        let roughness = match self.model {
+            Model::Phong => Roughness::from_exponent(self.param)?,
+            Model::Beckmann | Model::Ggx => Roughness::from_alpha(self.param)?,
+        };
+        let surface = Material::reflecting("surface", [self.kd; 3], [self.ks; 3], 0.0)?;
+        let surface = surface.emitting([emission; 3])?;
+        Ok(builder.material(Material { roughness, ..surface }))
+    }
+
+    /// The plane z = 0 of this finish, and room for lamps no nearer than `near`.
+    fn plane(&self, near: f64) -> Result<SceneBuilder, ExactError> {
+        let mut builder = SceneBuilder::new("glossy plane");
+        let surface = self.material(&mut builder, 0.0)?;
+        plane(&mut builder, 0.25 * near, surface)?;
+        Ok(builder)
+    }
+
+    /// Direct light on that plane, seen at the cosine `mu`, azimuth 0.
+    fn seen(&self, builder: SceneBuilder, mu: f64, near: f64) -> Result<Stage, ExactError> {
+        let wo = DVec3::new((1.0 - mu * mu).sqrt(), 0.0, mu);
+        Ok(Stage::new(builder, viewer(wo, 0.25 * near)?).model(self.model).depth(1))
+    }
+}
+
+/// The plane under a white sky: its directional albedo.
+#[derive(Debug, Deserialize)]
+pub(super) struct Dome {
+    #[serde(flatten)]
+    finish: Finish,
+    mu: f64,
+}
+
+impl Dome {
+    pub(super) fn stage(&self) -> Result<Stage, ExactError> {
+        let mut builder = self.finish.plane(4.0)?;
+        builder.environment = [1.0; 3];
+        self.finish.seen(builder, self.mu, 4.0)
+    }
+}
+
+/// A ball under a white sky: the mean over its disc. The camera is far away instead of
+/// orthographic; the picture is the square around the disc, of which the rest shows the sky.
+#[derive(Debug, Deserialize)]
+pub(super) struct Ball {
+    #[serde(flatten)]
+    finish: Finish,
+}
+
+impl Ball {
+    /// In radii. The points seen crowd towards the middle by at most 1 / AWAY².
+    const AWAY: f64 = 256.0;
+
+    pub(super) fn stage(&self) -> Result<Stage, ExactError> {
+        let mut builder = SceneBuilder::new("ball");
+        let surface = self.finish.material(&mut builder, 0.0)?;
+        builder.sphere(DVec3::ZERO, 1.0, surface)?;
+        builder.environment = [1.0; 3];
+        let reach = 1.0 / (Self::AWAY * Self::AWAY - 1.0).sqrt();
+        let camera = Camera::look_at(ASIDE * Self::AWAY, DVec3::ZERO, reach)?;
+        // So far away a ray's place is known to AWAY roundings.
+        let bound = 1.0 / (Self::AWAY * Self::AWAY) + Self::AWAY * f32::EPSILON as f64;
+        let mut stage = Stage::new(builder, camera).model(self.finish.model).bounded(bound);
+        stage.params.size = [64, 64];
+        stage.params.max_depth = Some(1);
+        Ok(Stage { share: FRAC_PI_4, rest: 1.0 - FRAC_PI_4, ..stage })
+    }
+}
+
+/// A rectangle of half-edges 0.5 and 0.4 in x and y, about where a mirror would show it.
+#[derive(Debug, Deserialize)]
+pub(super) struct SpecRect {
+    #[serde(flatten)]
+    finish: Finish,
+    mu: f64,
+    centre: [f64; 3],
+    radiance: f64,
+}
+
+impl SpecRect {
+    pub(super) fn stage(&self) -> Result<Stage, ExactError> {
+        let centre = DVec3::from_array(self.centre);
+        let mut builder = self.finish.plane(centre.z)?;
+        let lamp = lamp(&mut builder, self.radiance)?;
+        rectangle(&mut builder, centre, [DVec3::X * 0.5, DVec3::Y * 0.4], lamp)?;
+        self.finish.seen(builder, self.mu, centre.z)
+    }
+}
+
+/// A sphere at `distance`, polar angle `beta` and azimuth `phi`.
+#[derive(Debug, Deserialize)]
+pub(super) struct SpecSphere {
+    #[serde(flatten)]
+    finish: Finish,
+    mu: f64,
+    distance: f64,
+    radius: f64,
+    beta: f64,
+    phi: f64,
+    radiance: f64,
+}
+
+impl SpecSphere {
+    pub(super) fn stage(&self) -> Result<Stage, ExactError> {
+        let near = self.distance - self.radius;
+        let mut builder = self.finish.plane(near)?;
+        let lamp = lamp(&mut builder, self.radiance)?;
+        let ((sin, cos), (sin_phi, cos_phi)) = (self.beta.sin_cos(), self.phi.sin_cos());
+        let towards = DVec3::new(sin * cos_phi, sin * sin_phi, cos);
+        builder.sphere(towards * self.distance, self.radius, lamp)?;
+        self.finish.seen(builder, self.mu, near)
+    }
+}
+
+/// Kd = 0, Ks = 0.5, and a square of half-edge 0.5 and radiance 1 at height 2, where a mirror would
+/// show it.
+#[derive(Debug, Deserialize)]
+pub(super) struct Mirror {
+    #[serde(deserialize_with = "model")]
+    model: Model,
+    param: f64,
+    mu: f64,
+}
+
+impl Mirror {
+    pub(super) fn stage(&self) -> Result<Stage, ExactError> {
+        let finish = Finish { model: self.model, param: self.param, kd: 0.0, ks: 0.5 };
+        let height = 2.0;
+        let mut builder = finish.plane(height)?;
+        let lamp = lamp(&mut builder, 1.0)?;
+        let aside = (1.0 - self.mu * self.mu).sqrt() * height / self.mu;
+        let centre = DVec3::new(-aside, 0.0, height);
+        rectangle(&mut builder, centre, [DVec3::X * 0.5, DVec3::Y * 0.5], lamp)?;
+        finish.seen(builder, self.mu, height)
+    }
+}

@@ -1,0 +1,211 @@
+//! Rendering a case, and judging what came out.
+
+use super::stage::Stage;
+use super::{Case, ExactError, LeftOut, Table, all};
+use crate::progressive::{Counts, Options, Params, Session, Snapshot, State};
+
+/// Standard errors that chance is allowed: outside once in 16,000.
+const SIGMAS: f64 = 4.0;
+/// Passes of the first look; a multiple of the replicates.
+const FIRST: u64 = 16;
+
+/// When to stop.
+///
+/// Passes are doubled until the standard error is small enough. The decision reads the standard
+/// error alone, which comes from some thousands of degrees of freedom and hardly varies: that it
+/// draws the mean towards runs of small spread is far below one standard error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Budget {
+    /// Enough when the standard error is this fraction of the expected value.
+    pub relative: f64,
+    /// Rays that may be spent on a case, about.
+    pub rays: u64,
+}
+
+impl Budget {
+    /// Every mean to 1e-3 at four standard errors.
+    pub const FULL: Budget = Budget { relative: 2.5e-4, rays: 1 << 30 };
+    /// A look at each case in some tens of milliseconds: to 1 %.
+    pub const QUICK: Budget = Budget { relative: 2.5e-3, rays: 1 << 25 };
+}
+
+/// What the comparison says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Within four standard errors and within the relative limit.
+    Agrees,
+    /// Not so, or samples were not finite.
+    Differs,
+    /// Within four standard errors, which the budget's rays left too large for the second rule.
+    Unresolved,
+}
+
+/// A case after its rendering.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// What was asked.
+    pub case: Case,
+    /// Mean of what was rendered.
+    pub mean: f64,
+    /// Its standard error, from the replicates of every pixel.
+    pub standard_error: f64,
+    /// What the construction and the answer's own error may add, absolute.
+    pub allowance: f64,
+    /// By how many standard errors the mean lies beyond the allowance; signed.
+    pub sigmas: f64,
+    /// `mean / expected - 1`.
+    pub relative_error: f64,
+    /// Paths, rays, and samples that were not finite.
+    pub counts: Counts,
+    /// Whether it agrees.
+    pub verdict: Verdict,
+}
+
+/// All cases together.
+#[derive(Clone, Debug, Default)]
+pub struct Summary {
+    /// Cases rendered.
+    pub cases: usize,
+    /// Of those, how many differ.
+    pub failed: usize,
+    /// And how many are unresolved.
+    pub unresolved: usize,
+    /// Mean square of the sigmas where noise, not the allowance, decides: about 1 when the standard
+    /// errors are true.
+    pub mean_square: f64,
+    /// How many that mean is over.
+    pub noisy: usize,
+    /// What was not asked, and why.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// Renders every case of [`all`] on all cores, and hands out each as it is done.
+pub fn run_all(budget: Budget, each: &mut dyn FnMut(&Outcome)) -> Result<Summary, ExactError> {
+    all()?.run(budget, each)
+}
+
+impl Table {
+    /// Renders its cases on all cores, and hands out each as it is done.
+    pub fn run(
+        self,
+        budget: Budget,
+        each: &mut dyn FnMut(&Outcome),
+    ) -> Result<Summary, ExactError> {
+        let mut summary = Summary { left_out: self.left_out, ..Summary::default() };
+        let mut squares = 0.0;
+        for case in self.cases {
+            let outcome = case.run(budget)?;
+            summary.cases += 1;
+            summary.failed += usize::from(outcome.verdict == Verdict::Differs);
+            summary.unresolved += usize::from(outcome.verdict == Verdict::Unresolved);
+            if outcome.standard_error > 5.0 * outcome.allowance {
+                let off = outcome.mean - outcome.case.expected;
+                summary.noisy += 1;
+                squares += (off / outcome.standard_error).powi(2);
+            }
+            each(&outcome);
+        }
+        summary.mean_square = squares / summary.noisy.max(1) as f64;
+        Ok(summary)
+    }
+}
+
+impl Case {
+    /// What is rendered, with a seed of the case's own.
+    pub fn params(&self) -> Result<Params, ExactError> {
+        Ok(self.seeded()?.params)
+    }
+
+    fn seeded(&self) -> Result<Stage, ExactError> {
+        let mut stage = self.stage()?;
+        let name = self.id.bytes().chain(self.quantity.bytes());
+        stage.params.seed =
+            name.fold(1, |seed: u64, byte| seed.wrapping_mul(0x0100_0000_01b3) ^ byte as u64);
+        Ok(stage)
+    }
+
+    /// Renders on all cores until the budget is met or spent.
+    pub fn run(&self, budget: Budget) -> Result<Outcome, ExactError> {
+        let stage = self.seeded()?;
+        let mut passes = FIRST;
+        let options = Options::headless(0);
+        let session = Session::with_options(stage.params.clone(), passes, options, || {})?;
+        loop {
+            let snapshot = finished(&session, passes)?;
+            let spent = 2 * snapshot.counts.rays > budget.rays;
+            let outcome = self.judge(&stage, budget, &snapshot);
+            if spent || outcome.resolved(budget) {
+                return Ok(outcome);
+            }
+            passes *= 2;
+            session.set_limit(passes);
+        }
+    }
+
+    fn judge(&self, stage: &Stage, budget: Budget, snapshot: &Snapshot) -> Outcome {
+        let (mean, standard_error) = whole(snapshot);
+        let mean = (mean - stage.rest) / stage.share;
+        let standard_error = standard_error / stage.share;
+        let off = mean - self.expected;
+        let allowance = self.error + stage.bound * self.expected;
+        let mut outcome = Outcome {
+            mean,
+            standard_error,
+            allowance,
+            sigmas: beyond(off, allowance) / standard_error.max(f64::MIN_POSITIVE),
+            relative_error: off / self.expected,
+            counts: snapshot.counts,
+            verdict: Verdict::Unresolved,
+            case: self.clone(),
+        };
+        let close = outcome.sigmas.abs() <= SIGMAS && snapshot.counts.nonfinite == 0;
+        outcome.verdict = match outcome.resolved(budget) {
+            true if close && off.abs() <= outcome.limit(budget) => Verdict::Agrees,
+            false if close => Verdict::Unresolved,
+            _ => Verdict::Differs,
+        };
+        outcome
+    }
+}
+
+impl Outcome {
+    /// How far the mean may be off by the second rule.
+    fn limit(&self, budget: Budget) -> f64 {
+        SIGMAS * budget.relative * self.case.expected + self.case.error
+    }
+
+    /// Whether the noise is small enough to tell.
+    fn resolved(&self, budget: Budget) -> bool {
+        SIGMAS * self.standard_error <= self.limit(budget)
+    }
+}
+
+/// How far `off` from zero goes beyond what is allowed; signed.
+fn beyond(off: f64, allowance: f64) -> f64 {
+    (off.abs() - allowance).max(0.0).copysign(off)
+}
+
+/// Waits for this many passes.
+fn finished(session: &Session, passes: u64) -> Result<Snapshot, ExactError> {
+    for snapshot in session.snapshots() {
+        match snapshot.state {
+            State::Failed(reason) => return Err(ExactError::Failed(reason)),
+            State::Done if snapshot.passes >= passes => return Ok(snapshot),
+            _ => {}
+        }
+    }
+    Err(ExactError::Failed("the renderer stopped without a word".to_owned()))
+}
+
+/// Mean of the whole picture and its standard error. Everything here is grey: one channel is
+/// enough. Pixels are independent, so that their variances, each from few replicates, add up to one
+/// with many degrees of freedom.
+fn whole(snapshot: &Snapshot) -> (f64, f64) {
+    let (mut sum, mut variance, mut pixels) = (0.0, 0.0, 0.0);
+    for tile in snapshot.tiles.iter().flatten() {
+        sum += tile.mean.iter().map(|p| p[0] as f64).sum::<f64>();
+        variance += tile.standard_error.iter().map(|p| (p[0] as f64).powi(2)).sum::<f64>();
+        pixels += tile.mean.len() as f64;
+    }
+    (sum / pixels, variance.sqrt() / pixels)
+}

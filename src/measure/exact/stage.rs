@@ -1,0 +1,129 @@
+//! A scene set up to be measured.
+
+use super::ExactError;
+use crate::brdf::Model;
+use crate::progressive::Params;
+use crate::scene::{Camera, Material, MaterialId, Mesh, SceneBuilder, ShapeError};
+use crate::trace::DEPTH_CAP;
+use glam::{DAffine3, DVec3};
+use std::sync::Arc;
+
+/// Pixels of a picture that shows one number everywhere: few, so that each has many passes to be
+/// stratified over, and in four tiles, so that more than one core has work.
+const SIZE: [u32; 2] = [128, 8];
+
+/// Tangent of half the field of view of a camera that looks at a point. What varies linearly over
+/// the window averages out; what varies with its square is below 1e-7.
+pub(super) const POINT: f64 = 1e-5;
+
+/// What single precision costs a scene of unit size: positions on lights, the step off a surface,
+/// and a dozen roundings of densities. Relative.
+const ROUNDING: f64 = 1e-5;
+
+/// A viewer of no special place: unit, above the plane.
+pub(super) const ASIDE: DVec3 = DVec3::new(-0.48, 0.36, 0.8);
+
+/// What to render, and what it says about the number wanted.
+pub(super) struct Stage {
+    pub params: Params,
+    /// The picture's mean is `share * wanted + rest`.
+    pub share: f64,
+    pub rest: f64,
+    /// Bound of the relative error that the construction adds.
+    pub bound: f64,
+}
+
+impl Stage {
+    /// The mean of the whole picture is the number wanted.
+    pub(super) fn new(mut builder: SceneBuilder, camera: Camera) -> Stage {
+        builder.camera = Some(camera);
+        builder.screen = SIZE;
+        let params = Params::new(Arc::new(builder.build()));
+        Stage { params, share: 1.0, rest: 0.0, bound: ROUNDING }
+    }
+
+    pub(super) fn model(mut self, model: Model) -> Stage {
+        self.params.model = model;
+        self
+    }
+
+    /// At most this many scattering events; 1 leaves direct light.
+    pub(super) fn depth(mut self, depth: u32) -> Stage {
+        self.params.max_depth = Some(depth);
+        self
+    }
+
+    /// Widens the bound.
+    pub(super) fn bounded(mut self, relative: f64) -> Stage {
+        self.bound += relative;
+        self
+    }
+}
+
+/// Relative error of a closed room's `1 / (1 - albedo)`: the albedo is rounded to single precision,
+/// and what comes from beyond the cap on a path's length is missing.
+pub(super) fn of_albedo(albedo: f64) -> f64 {
+    f32::EPSILON as f64 * 0.5 / (1.0 - albedo) + albedo.powi(DEPTH_CAP as i32)
+}
+
+/// A grey diffuse surface.
+pub(super) fn diffuse(
+    builder: &mut SceneBuilder,
+    albedo: f64,
+    emission: f64,
+) -> Result<MaterialId, ExactError> {
+    let material = Material::reflecting("diffuse", [albedo; 3], [0.0; 3], 0.0)?;
+    Ok(builder.material(material.emitting([emission; 3])?))
+}
+
+/// A black surface that emits.
+pub(super) fn lamp(builder: &mut SceneBuilder, radiance: f64) -> Result<MaterialId, ExactError> {
+    Ok(builder.material(Material::light("lamp", [radiance; 3])?))
+}
+
+/// The plane z = 0 around the origin, as far as rays need it: a triangle with its middle there.
+pub(super) fn plane(
+    builder: &mut SceneBuilder,
+    size: f64,
+    material: MaterialId,
+) -> Result<(), ShapeError> {
+    let corner = |x: f64, y: f64| DVec3::new(x, y, 0.0) * size;
+    let positions = vec![corner(-1.0, -1.0), corner(2.0, -1.0), corner(-1.0, 2.0)];
+    mesh(builder, positions, vec![[0, 1, 2]], material)
+}
+
+/// The quadrilateral with these corners, in turn.
+pub(super) fn quad(
+    builder: &mut SceneBuilder,
+    corners: [DVec3; 4],
+    material: MaterialId,
+) -> Result<(), ShapeError> {
+    mesh(builder, corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]], material)
+}
+
+/// The rectangle around `centre` with these half-edges.
+pub(super) fn rectangle(
+    builder: &mut SceneBuilder,
+    centre: DVec3,
+    [u, v]: [DVec3; 2],
+    material: MaterialId,
+) -> Result<(), ShapeError> {
+    let corners = [centre - u - v, centre + u - v, centre + u + v, centre - u + v];
+    quad(builder, corners, material)
+}
+
+/// Triangles with smooth normals.
+pub(super) fn mesh(
+    builder: &mut SceneBuilder,
+    positions: Vec<DVec3>,
+    triangles: Vec<[u32; 3]>,
+    material: MaterialId,
+) -> Result<(), ShapeError> {
+    let mesh = Mesh { positions, normals: Vec::new(), triangles };
+    builder.mesh(&mesh, DAffine3::IDENTITY, material).map(|_| ())
+}
+
+/// Looks at the origin along `-wo`, from closer than anything that could be in the way.
+pub(super) fn viewer(wo: DVec3, distance: f64) -> Result<Camera, ExactError> {
+    Ok(Camera::look_at(wo * distance, DVec3::ZERO, POINT)?)
+}

@@ -1,0 +1,158 @@
+//! The table of answers, and what is asked of each scene.
+
+use super::stage::Stage;
+use super::{ExactError, glossy, lamps, rooms};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// One line a scene: group, parameters, answers by quantity, bound of their error, method.
+const TABLE: &str = include_str!("../../../assets/exact_scenes.json");
+
+/// One question with its answer: a scene, and where to look.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// The scene: group and number.
+    pub id: String,
+    /// Which of the scene's radiances.
+    pub quantity: String,
+    /// What the scene is about.
+    pub group: &'static str,
+    /// The radiance, or mean radiance, that is known.
+    pub expected: f64,
+    /// Bound of the absolute error of `expected`.
+    pub error: f64,
+    /// How `expected` was found.
+    pub method: String,
+    scene: Arc<Group>,
+}
+
+/// What this program cannot express, and why.
+#[derive(Clone, Debug)]
+pub struct LeftOut {
+    /// The scene.
+    pub id: String,
+    /// Which of its radiances.
+    pub quantity: String,
+    /// Why not.
+    pub reason: String,
+}
+
+/// Every scene of the table, asked or left out.
+#[derive(Clone, Debug, Default)]
+pub struct Table {
+    /// What can be asked, in the order of the table.
+    pub cases: Vec<Case>,
+    /// What cannot.
+    pub left_out: Vec<LeftOut>,
+    /// Number of scenes: each has cases, or is left out, or both in parts.
+    pub scenes: usize,
+}
+
+/// All scenes. Fails only if the table, which is part of the program, is broken; a test holds that
+/// it is not.
+pub fn all() -> Result<Table, ExactError> {
+    let rows: Vec<Row> = serde_json::from_str(TABLE)?;
+    let mut table = Table { scenes: rows.len(), ..Table::default() };
+    for row in rows {
+        let scene = Arc::new(row.scene);
+        table.cases.extend(row.expected.into_iter().map(|(quantity, expected)| Case {
+            id: row.id.clone(),
+            quantity,
+            group: scene.name(),
+            expected,
+            error: row.error,
+            method: row.method.clone(),
+            scene: scene.clone(),
+        }));
+        let id = &row.id;
+        table.left_out.extend(row.left_out.into_iter().map(|(quantity, reason)| LeftOut {
+            id: id.clone(),
+            quantity,
+            reason,
+        }));
+    }
+    Ok(table)
+}
+
+impl Case {
+    /// The scene and where it is seen from.
+    pub(super) fn stage(&self) -> Result<Stage, ExactError> {
+        self.scene.stage(&self.quantity)
+    }
+}
+
+#[derive(Debug, Deserialize)]
+struct Row {
+    id: String,
+    #[serde(flatten)]
+    scene: Group,
+    expected: BTreeMap<String, f64>,
+    error: f64,
+    method: String,
+    #[serde(default)]
+    left_out: BTreeMap<String, String>,
+}
+
+/// A kind of scene with its parameters.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "group", rename_all = "snake_case")]
+enum Group {
+    Furnace(rooms::Furnace),
+    PlaneSphere(lamps::PlaneSphere),
+    PlaneRect(lamps::PlaneRect),
+    PlaneDisk(lamps::PlaneDisk),
+    PlaneQuad(lamps::PlaneQuad),
+    Dome(glossy::Dome),
+    Ball(glossy::Ball),
+    SpecRect(glossy::SpecRect),
+    SpecSphere(glossy::SpecSphere),
+    Mirror(glossy::Mirror),
+    Plates(rooms::Plates),
+    Concentric(rooms::Concentric),
+    Integrating(rooms::Integrating),
+    Cavity(rooms::Cavity),
+}
+
+impl Group {
+    fn name(&self) -> &'static str {
+        match self {
+            Group::Furnace(_) => "white furnace",
+            Group::PlaneSphere(_) | Group::PlaneRect(_) => "form factor",
+            Group::PlaneDisk(_) | Group::PlaneQuad(_) => "form factor",
+            Group::Dome(_) => "dome",
+            Group::Ball(_) => "ball",
+            Group::SpecRect(_) | Group::SpecSphere(_) => "glossy direct light",
+            Group::Mirror(_) => "mirror limit",
+            Group::Plates(_) => "parallel plates",
+            Group::Concentric(_) => "concentric spheres",
+            Group::Integrating(_) => "integrating sphere",
+            Group::Cavity(_) => "glossy cavity",
+        }
+    }
+
+    fn stage(&self, quantity: &str) -> Result<Stage, ExactError> {
+        match self {
+            Group::Furnace(s) => s.stage(quantity),
+            Group::PlaneSphere(s) => s.stage(),
+            Group::PlaneRect(s) => s.stage(),
+            Group::PlaneDisk(s) => s.stage(),
+            Group::PlaneQuad(s) => s.stage(),
+            Group::Dome(s) => s.stage(),
+            Group::Ball(s) => s.stage(),
+            Group::SpecRect(s) => s.stage(),
+            Group::SpecSphere(s) => s.stage(),
+            Group::Mirror(s) => s.stage(),
+            Group::Plates(s) => s.stage(quantity),
+            Group::Concentric(s) => s.stage(quantity),
+            Group::Integrating(s) => s.stage(quantity),
+            Group::Cavity(s) => s.stage(quantity),
+        }
+    }
+}
+
+/// The number after `prefix` in the name of a quantity.
+pub(super) fn number_in(quantity: &str, prefix: &str) -> Result<f64, ExactError> {
+    let number = quantity.strip_prefix(prefix).and_then(|n| n.parse().ok());
+    number.ok_or_else(|| ExactError::Quantity(quantity.to_owned()))
+}
