@@ -27,7 +27,8 @@ const ONE_PLACE: [(&str, &[&str]); 15] = [
     ("egui", &["src/viewer/"]),
     ("eframe", &["src/viewer/"]),
     ("clap", &["src/cli/"]),
-    ("statrs", &["src/film/interval.rs"]),
+    // Intervals, and the chances of the proofs.
+    ("statrs", &["src/film/interval.rs", "src/measure/check/statistics.rs"]),
     ("flip_rs", &["src/measure/flip.rs"]),
     ("plotters", &["src/measure/plot.rs"]),
     ("unsafe ", &["src/math/lanes/"]),

@@ -4,6 +4,7 @@
 //! (clap's own code). Results go to stdout, all talk to stderr.
 
 mod brdf;
+mod check;
 mod compare;
 mod figures;
 mod interrupt;
@@ -40,6 +41,7 @@ struct Args {
 #[derive(Debug, Subcommand)]
 enum Command {
     Brdf(brdf::Args),
+    Check(check::Args),
     Compare(compare::Args),
     Render(Box<render::Args>),
     Report(report::Args),
@@ -52,6 +54,7 @@ pub(crate) fn main() -> ExitCode {
     let result = match args.command {
         None => window::open(args.window),
         Some(Command::Brdf(args)) => brdf::run(&args),
+        Some(Command::Check(args)) => check::run(&args),
         Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::Render(args)) => render::run(&args, started),
         Some(Command::Report(args)) => report::run(&args),

@@ -6,6 +6,7 @@ use super::snapshots::next;
 use super::stats::{self, Stats};
 use super::{Failure, interrupt, say, values};
 use burnish::brdf::{Erratum, Model, Normals, Roughness};
+use burnish::measure::energy::remarks;
 use burnish::picture::{self, Curve, Picture, Tone, check_writable};
 use burnish::progressive::{Options, Params, Session, Snapshot, State, StopRule, Strategy};
 use burnish::scene::{Camera, Scene};
@@ -106,7 +107,9 @@ pub(super) fn run(args: &Args, started: Instant) -> Result<(), Failure> {
         warn(erratum, args.model);
     }
     let loaded = scene::load(args.scene.as_deref())?;
-    let traced = trace(args, args.params(&loaded.scene), started)?;
+    let params = args.params(&loaded.scene);
+    energy(&params);
+    let traced = trace(args, params, started)?;
     tell(&traced.snapshot, traced.interrupted);
     if traced.snapshot.counts.paths == 0 {
         return Err(Failure::new("stopped before the first sample: nothing is written"));
@@ -119,6 +122,18 @@ pub(super) fn run(args: &Args, started: Instant) -> Result<(), Failure> {
     match &args.stats {
         Some(path) => stats(args, &loaded, &traced, &picture).write(path),
         None => Ok(()),
+    }
+}
+
+/// What the model does to the energy of this scene.
+fn energy(params: &Params) {
+    const MOST: usize = 4;
+    let remarks = remarks(&params.materials, params.model);
+    for remark in remarks.iter().take(MOST) {
+        say(format_args!("note: {remark}"));
+    }
+    if remarks.len() > MOST {
+        say(format_args!("note: and {} more such remarks", remarks.len() - MOST));
     }
 }
 

@@ -1,13 +1,15 @@
 //! Measuring: how far a picture is off, what it cost, and whether the maths is right.
 //!
 //! [`error`] holds the measures with their formulas, [`flip`] the difference that a person sees,
-//! [`difference`] a picture of it, [`errata`] what a mistake does to it, [`check`] the proofs of a
+//! [`difference`] a picture of it, [`errata`] what a mistake does to it,
+//! [`energy`] what a model gains and loses, [`check`] the proofs of a
 //! BRDF and its sampler, [`exact`] scenes whose answer is known, [`calibrate`] whether the error
 //! bar keeps its word, [`speed`] error against passes, seconds and rays, [`plot`] its curves.
 
 pub mod calibrate;
 pub mod check;
 pub mod difference;
+pub mod energy;
 pub mod errata;
 pub mod error;
 pub mod exact;

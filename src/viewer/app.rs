@@ -4,6 +4,7 @@
 use super::canvas::Canvas;
 use super::controls::Controls;
 use super::document::Document;
+use super::energy::Energy;
 use super::help::Help;
 use super::keys::{self, Action};
 use super::load::{Loaded, Loading, Source};
@@ -12,6 +13,7 @@ use super::method::{self, MethodPanel};
 use super::notice::Notice;
 use super::open::Open;
 use super::orbit;
+use super::proofs::Proofs;
 use super::render::Render;
 use super::report::ReportPanel;
 use super::save::{Job, Saving, stem};
@@ -43,6 +45,8 @@ pub(super) struct App {
     view: View,
     materials: Materials,
     method: MethodPanel,
+    proofs: Proofs,
+    energy: Energy,
     report: ReportPanel,
     status: Status,
     pub(super) help: Help,
@@ -71,6 +75,8 @@ impl App {
             view: View,
             materials: Materials::default(),
             method: MethodPanel,
+            proofs: Proofs::new(),
+            energy: Energy::new(),
             report: ReportPanel,
             status: Status,
             help: Help::default(),
@@ -172,11 +178,12 @@ impl App {
             Frame::new().inner_margin(Margin::same(16)).show(ui, |ui| {
                 ui.set_max_width(theme::PANEL - 32.0);
                 let Some(document) = &mut self.document else { return };
-                asked.extend(self.controls.ui(ui, document));
+                asked.extend(self.controls.ui(ui, document, &mut self.energy));
                 self.materials.ui(ui, document);
                 asked.extend(self.view.ui(ui, document));
                 self.method.ui(ui, document);
-                self.report.ui(ui, document);
+                self.proofs.ui(ui, document);
+                self.report.ui(ui, document, &mut self.energy);
             });
         });
         asked

@@ -1,6 +1,7 @@
 //! The controls that matter most: model, roughness, passes.
 
 use super::document::{Document, Shown};
+use super::energy::Energy;
 use super::figures::digits;
 use super::keys::{self, Action};
 use super::theme;
@@ -13,10 +14,15 @@ pub(super) struct Controls;
 
 impl Controls {
     /// Draws them; changes the document, and returns what a button asked for.
-    pub(super) fn ui(&mut self, ui: &mut Ui, document: &mut Document) -> Option<Action> {
+    pub(super) fn ui(
+        &mut self,
+        ui: &mut Ui,
+        document: &mut Document,
+        energy: &mut Energy,
+    ) -> Option<Action> {
         let asked = model(ui, document);
         ui.add_space(theme::GAP);
-        roughness(ui, document);
+        roughness(ui, document, energy);
         widgets::rule(ui);
         passes(ui, document);
         asked.or(run(ui, document))
@@ -29,7 +35,7 @@ fn model(ui: &mut Ui, document: &Document) -> Option<Action> {
     widgets::segmented(ui, Weight::Strong, chosen, &entries).map(|i| Action::Model(Model::ALL[i]))
 }
 
-fn roughness(ui: &mut Ui, document: &mut Document) {
+fn roughness(ui: &mut Ui, document: &mut Document, energy: &mut Energy) {
     let shown = document.roughness();
     let edited = document.roughness_is_edited();
     let mut reset = false;
@@ -86,6 +92,7 @@ fn roughness(ui: &mut Ui, document: &mut Document) {
             wanted = Roughness::from_exponent(exponent).ok();
         }
     });
+    energy.of_lobe(ui, document.params.model, value);
     if let Some(roughness) = wanted {
         document.set_roughness(roughness);
     }

@@ -7,9 +7,11 @@
 //! window in which nothing happens is not redrawn.
 
 mod app;
+mod background;
 mod canvas;
 mod controls;
 mod document;
+mod energy;
 mod figures;
 mod help;
 mod keys;
@@ -19,6 +21,7 @@ mod method;
 mod notice;
 mod open;
 mod orbit;
+mod proofs;
 mod render;
 mod report;
 mod save;

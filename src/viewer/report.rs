@@ -1,6 +1,7 @@
 //! What the scene's reader had to tell: warnings with their lines, and facts.
 
 use super::document::Document;
+use super::energy::Energy;
 use super::{theme, widgets};
 use burnish::scene::Warning;
 use egui::{Label, RichText, Ui};
@@ -8,7 +9,7 @@ use egui::{Label, RichText, Ui};
 pub(super) struct ReportPanel;
 
 impl ReportPanel {
-    pub(super) fn ui(&mut self, ui: &mut Ui, document: &Document) {
+    pub(super) fn ui(&mut self, ui: &mut Ui, document: &Document, energy: &mut Energy) {
         let warnings = &document.report.warnings;
         let badge = (!warnings.is_empty()).then(|| {
             let plural = if warnings.len() == 1 { "" } else { "s" };
@@ -24,6 +25,7 @@ impl ReportPanel {
             for note in &document.report.notes {
                 ui.add(Label::new(RichText::new(note).weak()).wrap());
             }
+            energy.of_scene(ui, document);
             let counts = document.params.scene.counts();
             let shapes = [
                 (counts.triangles, "triangle"),

@@ -4,6 +4,7 @@ mod controls;
 mod files;
 mod method;
 mod picture;
+mod proofs;
 
 use super::app::App;
 use super::document::{Document, Shown};
