@@ -84,8 +84,7 @@ pub fn scn(
     let pairs = materials.iter().zip(scene.materials()).enumerate().filter(changed);
     let screen = (size != scene.screen()).then_some(size);
     // Without a line of its own the camera frames the scene, in a way that depends on the size.
-    let moved =
-        *camera != scene.camera() || (screen.is_some() && place(text, "camera").is_none());
+    let moved = *camera != scene.camera() || (screen.is_some() && place(text, "camera").is_none());
     let mut models = Vec::new();
     if source.example.is_none() {
         for file in source.files.iter().skip(1) {
@@ -228,11 +227,8 @@ fn with_material(line: &str, material: &Material) -> Result<String, WriteError> 
     }
     let old: Vec<f64> = words.filter_map(|word| Some(leading_number(word)?.0)).collect();
     let differs = |i: usize, now: f32| old.get(i).is_none_or(|&x| x as f32 != now);
-    let colours = if light {
-        material.emission.to_vec()
-    } else {
-        [material.kd, material.ks].concat()
-    };
+    let colours =
+        if light { material.emission.to_vec() } else { [material.kd, material.ks].concat() };
     let mut numbers: Vec<_> =
         colours.iter().enumerate().map(|(i, &x)| (x.to_string(), differs(i, x))).collect();
     if !light {

@@ -36,8 +36,8 @@ pub use log::ReadError;
 pub use scn::{parse_camera, read_scn};
 
 use super::{Material, Mesh, MeshCounts, Report, SceneBuilder};
-use glam::DAffine3;
 use files::Recorder;
+use glam::DAffine3;
 use log::Log;
 use std::path::Path;
 
