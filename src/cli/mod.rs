@@ -7,6 +7,7 @@ mod brdf;
 mod check;
 mod compare;
 mod figures;
+mod info;
 mod interrupt;
 mod progress;
 mod render;
@@ -43,6 +44,7 @@ enum Command {
     Brdf(brdf::Args),
     Check(check::Args),
     Compare(compare::Args),
+    Info(info::Args),
     Render(Box<render::Args>),
     Report(report::Args),
 }
@@ -56,6 +58,7 @@ pub(crate) fn main() -> ExitCode {
         Some(Command::Brdf(args)) => brdf::run(&args),
         Some(Command::Check(args)) => check::run(&args),
         Some(Command::Compare(args)) => compare::run(&args),
+        Some(Command::Info(args)) => info::run(&args),
         Some(Command::Render(args)) => render::run(&args, started),
         Some(Command::Report(args)) => report::run(&args),
     };

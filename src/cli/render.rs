@@ -7,8 +7,8 @@ use super::stats::{self, Stats};
 use super::{Failure, interrupt, say, values};
 use burnish::brdf::{Erratum, Model, Normals, Roughness};
 use burnish::measure::energy::remarks;
-use burnish::picture::{self, Curve, Picture, Tone, check_writable};
-use burnish::progressive::{Options, Params, Session, Snapshot, State, StopRule, Strategy};
+use burnish::picture::{Curve, Picture, Tone, check_writable};
+use burnish::progressive::{Options, Params, Recipe, Session, Snapshot, State, StopRule, Strategy};
 use burnish::scene::{Camera, Scene};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -27,7 +27,7 @@ pub(super) struct Args {
     /// Scene to render: a .scn, .obj or .ply file. The built-in scene without one.
     scene: Option<PathBuf>,
     /// Picture to write; may be given more than once. The name ends in .png (8-bit sRGB) or .exr
-    /// (linear 32-bit float, untouched by --exposure and --tone).
+    /// (linear 32-bit float, untouched by --exposure and --tone). `burnish info` shows how it was made.
     #[arg(short, long = "output", value_name = "FILE", required = true)]
     #[arg(value_parser = values::picture)]
     outputs: Vec<PathBuf>,
@@ -109,15 +109,16 @@ pub(super) fn run(args: &Args, started: Instant) -> Result<(), Failure> {
     let loaded = scene::load(args.scene.as_deref())?;
     let params = args.params(&loaded.scene);
     energy(&params);
-    let traced = trace(args, params, started)?;
+    let traced = trace(args, params.clone(), started)?;
     tell(&traced.snapshot, traced.interrupted);
     if traced.snapshot.counts.paths == 0 {
         return Err(Failure::new("stopped before the first sample: nothing is written"));
     }
     let picture = traced.snapshot.mean();
     let tone = Tone { exposure: args.exposure, curve: args.tone };
+    let recipe = Recipe::new(&params, &traced.snapshot);
     for path in &args.outputs {
-        picture::write(path, &picture, tone).map_err(Failure::new)?;
+        recipe.save(path, &picture, tone).map_err(Failure::new)?;
     }
     match &args.stats {
         Some(path) => stats(args, &loaded, &traced, &picture).write(path),

@@ -33,7 +33,8 @@ pub(super) fn load(path: Option<&Path>) -> Result<Loaded, Failure> {
     Ok(Loaded { scene, load_s, build_s: start.elapsed().as_secs_f64() })
 }
 
-fn read(path: Option<&Path>) -> Result<(SceneBuilder, Report), Failure> {
+/// Reads the same without building it; the remarks are the caller's.
+pub(super) fn read(path: Option<&Path>) -> Result<(SceneBuilder, Report), Failure> {
     let Some(path) = path else { return default_scene().map_err(Failure::new) };
     // A file of that name comes first.
     match path.to_str().and_then(Example::named).filter(|_| !path.exists()) {
