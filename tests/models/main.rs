@@ -1,4 +1,4 @@
-//! The models beside the default scene are made by the programs in this folder.
+//! The models beside the scenes are made by the programs in this folder.
 //!
 //! The test compares them with the files byte for byte, so neither can change without the other.
 //! To write the files anew: `BURNISH_WRITE_ASSETS=1 cargo test --release --test models`.
@@ -7,14 +7,16 @@ mod arithmetic;
 mod letters;
 mod model;
 mod shell;
+mod urchin;
 
 use model::Model;
 use std::path::PathBuf;
 
-fn models() -> [(&'static str, Model); 3] {
+fn models() -> [(&'static str, Model); 4] {
     [
         ("letter-x.ply", letters::x()),
         ("letter-y.ply", letters::y()),
+        ("urchin.ply", urchin::urchin()),
         ("wentletrap.ply", shell::wentletrap()),
     ]
 }
@@ -62,7 +64,13 @@ fn letters_normals_agree_with_their_faces() {
 #[test]
 fn the_shell_is_detailed_and_its_points_are_distinct() {
     let shell = shell::wentletrap();
-    let triangles: usize = shell.faces.iter().map(|f| f.len() - 2).sum();
-    assert!((20_000..=60_000).contains(&triangles), "{triangles} triangles");
+    assert!((20_000..=60_000).contains(&shell.count()), "{} triangles", shell.count());
     assert_eq!(shell.flat_faces(), 0, "faces without area");
+}
+
+#[test]
+fn the_urchin_is_a_large_model() {
+    let urchin = urchin::urchin();
+    assert!((200_000..=250_000).contains(&urchin.count()), "{} triangles", urchin.count());
+    assert_eq!(urchin.flat_faces(), 0, "faces without area");
 }
