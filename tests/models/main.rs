@@ -1,9 +1,10 @@
-//! The models beside the scenes are made by the programs in this folder.
+//! The models beside the scenes, and the scene of many lights, are made by the programs in this folder.
 //!
 //! The test compares them with the files byte for byte, so neither can change without the other.
 //! To write the files anew: `BURNISH_WRITE_ASSETS=1 cargo test --release --test models`.
 
 mod arithmetic;
+mod lanterns;
 mod letters;
 mod model;
 mod shell;
@@ -28,8 +29,9 @@ fn asset(name: &str) -> PathBuf {
 #[test]
 fn files_are_what_their_programs_make() {
     let write = std::env::var_os("BURNISH_WRITE_ASSETS").is_some_and(|v| v == "1");
-    for (name, model) in models() {
-        let made = model.ply(name);
+    let mut files = models().map(|(name, model)| (name, model.ply(name))).to_vec();
+    files.push(("lights.scn", lanterns::lights().into_bytes()));
+    for (name, made) in files {
         if write {
             std::fs::write(asset(name), &made).unwrap();
         }

@@ -126,14 +126,12 @@ fn ornament(turn: f64, m: f64) -> f64 {
     large + small + beads - 0.012 * seam(0.628, 0.02) - 0.008 * seam(0.0, 0.02)
 }
 
-/// Height of a knob over its radius, by the square of the distance from its middle in radii: a
-/// cone with a hollow foot, and on it the ball on which the spine turned.
+/// Height of a knob over its radius, by the square of the distance from its middle in radii: a low
+/// mound, and on it the ball on which the spine turned.
 fn knob(d2: f64) -> f64 {
-    let bump = |x: f64| {
-        let b = (1.0 - x).max(0.0);
-        b * b
-    };
-    0.42 * bump(d2) * bump(d2) + 0.26 * bump(d2 / 0.10) - 0.05 * bump(d2) * (1.0 - bump(d2))
+    let mound = (1.0 - d2).max(0.0);
+    let ball = (1.0 - d2 / 0.12).max(0.0).sqrt();
+    0.24 * mound * mound + 0.15 * ball
 }
 
 /// Moves and scales the points to stand on z = 0 with width 1.
