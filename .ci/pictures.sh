@@ -1,5 +1,5 @@
 #!/bin/sh
-# Makes the pictures of screenshots/, but for the window's: which takes a screen, see README.md there.
+# Makes the pictures of screenshots/ but the window's and the plot. What they are: README.md there.
 #
 #   .ci/pictures.sh [BURNISH]
 #

@@ -8,6 +8,7 @@ mod check;
 mod compare;
 mod completions;
 mod figures;
+mod info;
 mod interrupt;
 mod jobs;
 mod progress;
@@ -55,6 +56,7 @@ enum Command {
     Check(check::Args),
     Compare(compare::Args),
     Completions(completions::Args),
+    Info(info::Args),
     Render(Box<render::Args>),
     Report(report::Args),
 }
@@ -74,6 +76,7 @@ pub(crate) fn main() -> ExitCode {
         Some(Command::Check(args)) => check::run(&args),
         Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::Completions(args)) => completions::run(&args),
+        Some(Command::Info(args)) => info::run(&args),
         Some(Command::Render(args)) => render::run(&args, started),
         Some(Command::Report(args)) => report::run(&args),
     };

@@ -10,8 +10,8 @@ use super::values::{self, Chosen};
 use super::{Failure, interrupt, misused};
 use burnish::brdf::{Erratum, Model, Normals, Roughness};
 use burnish::measure::energy::remarks;
-use burnish::picture::{self, Curve, Picture, Tone, check_writable};
-use burnish::progressive::{Options, Params, Session, Snapshot, State, StopRule, Strategy};
+use burnish::picture::{Curve, Picture, Tone, check_writable};
+use burnish::progressive::{Options, Params, Recipe, Session, Snapshot, State, StopRule, Strategy};
 use burnish::scene::{Camera, Scene};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -34,6 +34,7 @@ pub(super) struct Args {
     /// Picture to write; may be given more than once. The name ends in .png (8-bit sRGB) or .exr
     /// (linear 32-bit float, untouched by --exposure and --tone). In it {name} stands for the
     /// scene's file without folder and ending, {model} for the model; so they do in --stats.
+    /// `burnish info` shows how it was made.
     #[arg(short, long = "output", value_name = "FILE", required = true)]
     #[arg(value_parser = values::picture)]
     outputs: Vec<PathBuf>,
@@ -140,15 +141,16 @@ fn render(args: &Args, job: &Job, loaded: &Loaded, started: Instant) -> Result<b
     let params = args.params(&loaded.scene, job.model);
     energy(&params);
     detail(describe(&params, args.threads));
-    let traced = trace(args, params, started)?;
+    let traced = trace(args, params.clone(), started)?;
     tell(&traced);
     if traced.snapshot.counts.paths == 0 {
         return Err(Failure::new("stopped before the first sample: nothing is written"));
     }
     let picture = traced.snapshot.mean();
     let tone = Tone { exposure: args.exposure, curve: args.tone };
+    let recipe = Recipe::new(&params, &traced.snapshot);
     for path in &job.outputs {
-        picture::write(path, &picture, tone).map_err(Failure::new)?;
+        recipe.save(path, &picture, tone).map_err(Failure::new)?;
         detail(format_args!("written: {}", path.display()));
     }
     if let Some(path) = &job.stats {

@@ -74,7 +74,8 @@ fn example(path: &Path) -> Option<&'static Example> {
     path.to_str().and_then(Example::named).filter(|_| !path.exists())
 }
 
-fn read(path: Option<&Path>) -> Result<(SceneBuilder, Report), Failure> {
+/// Reads the same without building it; the remarks are the caller's.
+pub(super) fn read(path: Option<&Path>) -> Result<(SceneBuilder, Report), Failure> {
     let Some(path) = path else { return default_scene().map_err(Failure::new) };
     match example(path) {
         Some(example) => example.read().map_err(Failure::new),

@@ -94,8 +94,16 @@ impl Example {
         let path = format!("{}.scn", self.name);
         let (mut builder, report) = read_scn(self.text, path.as_ref(), &Memory(self.models))?;
         builder.name = self.title.to_owned();
+        builder.source.example = Some(self.name);
         Ok((builder, report))
     }
+}
+
+/// A model of a shipped scene. A shipped scene that was edited and saved elsewhere finds its models
+/// by this.
+pub(super) fn model(name: &str) -> Option<&'static [u8]> {
+    let models = EXAMPLES.iter().flat_map(|example| example.models);
+    models.into_iter().find(|(known, _)| *known == name).map(|(_, bytes)| *bytes)
 }
 
 /// A room with a lacquered table, and on it a seashell, a mirror ball and the letters X and Y.
