@@ -105,7 +105,7 @@ fn the_command_in_a_recipe_makes_the_same_picture_again() {
             "--size",
             "24x18",
             "--strategy",
-            "brdf",
+            "bsdf",
             "--erratum",
             "below-horizon",
         ],
