@@ -16,7 +16,7 @@ fn params(name: &str, size: [u32; 2]) -> Params {
 #[test]
 fn intervals_hold_the_truth_and_the_estimate_is_the_error() {
     for name in ["default", "cornell"] {
-        let renders = Renders::new(&params(name, [48, 36]), &[16, 64], 12, &mut |_| {}).unwrap();
+        let renders = Renders::new(&params(name, [48, 36]), &[16, 64], 12, 0, &mut |_| {}).unwrap();
         for c in renders.calibrations() {
             assert!((0.92..0.97).contains(&c.coverage), "{name}: {c:?}");
             assert!((0.75..1.35).contains(&c.rmse_ratio), "{name}: {c:?}");
@@ -33,8 +33,8 @@ fn intervals_hold_the_truth_and_the_estimate_is_the_error() {
 /// a probability below 2 % if each is with 5 %; the seeds are fixed.
 #[test]
 fn a_wanted_error_is_kept() {
-    let renders = Renders::new(&params("default", [48, 36]), &[128], 12, &mut |_| {}).unwrap();
-    let stopped = renders.stopped(0.17, 12, &mut |_| {}).unwrap();
+    let renders = Renders::new(&params("default", [48, 36]), &[128], 12, 0, &mut |_| {}).unwrap();
+    let stopped = renders.stopped(0.17, 12, 0, &mut |_| {}).unwrap();
     assert!(stopped.kept > 0.8, "{stopped:?}");
     assert!((StopRule::FIRST as f64..300.0).contains(&stopped.passes), "{stopped:?}");
 }

@@ -30,6 +30,19 @@ pub struct Calibration {
     pub relative: f64,
 }
 
+impl Calibration {
+    /// How many of its figures are out of bounds: coverage within 0.92 to 0.97 from 256 passes on,
+    /// estimates within 0.8 to 1.25 of the true errors from 16 passes on.
+    pub fn faults(&self) -> usize {
+        let ratio = 0.8..=1.25;
+        let covers = self.passes < 256 || (0.92..=0.97).contains(&self.coverage);
+        let absolute = self.passes < 16 || ratio.contains(&self.rmse_ratio);
+        let none = self.reliable <= 0.0;
+        let relative = self.passes < 16 || none || ratio.contains(&self.relative_ratio);
+        [covers, absolute, relative].iter().filter(|&&fine| !fine).count()
+    }
+}
+
 /// How a wanted error was kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stopped {
@@ -39,6 +52,13 @@ pub struct Stopped {
     pub kept: f64,
     /// Passes that they took in the mean.
     pub passes: f64,
+}
+
+impl Stopped {
+    /// 1 if fewer than 95 % of the renders kept the error.
+    pub fn faults(&self) -> usize {
+        usize::from(self.kept < 0.95)
+    }
 }
 
 /// One render at one pass count.
@@ -61,12 +81,13 @@ pub struct Renders {
 }
 
 impl Renders {
-    /// Renders with each of so many seeds and keeps the pictures after each of `passes`, which
+    /// Renders with each of so many seeds on `threads` threads (0 for one a core) and keeps the pictures after each of `passes`, which
     /// ascend. `each` is told how many are done.
     pub fn new(
         params: &Params,
         passes: &[u64],
         renders: u64,
+        threads: usize,
         each: &mut dyn FnMut(u64),
     ) -> Result<Renders, ParamsError> {
         let mut shots = Vec::new();
@@ -75,7 +96,7 @@ impl Renders {
             let mut looks = passes.iter().copied();
             let first = looks.next().unwrap_or(1);
             let mut taken = Vec::new();
-            until(params, first, &mut |snapshot| {
+            until(params, first, threads, &mut |snapshot| {
                 taken.push(Shot {
                     mean: snapshot.mean().pixels,
                     standard_error: snapshot.standard_error().pixels,
@@ -181,6 +202,7 @@ impl Renders {
         &self,
         wanted: f64,
         renders: u64,
+        threads: usize,
         each: &mut dyn FnMut(u64),
     ) -> Result<Stopped, ParamsError> {
         let rule = StopRule { wanted };
@@ -188,7 +210,7 @@ impl Renders {
         for run in 1..=renders {
             let params = Params { seed: (1 << 32) + run, ..self.params.clone() };
             let mut good = 0.0;
-            until(params, StopRule::FIRST, &mut |snapshot| {
+            until(params, StopRule::FIRST, threads, &mut |snapshot| {
                 let next = rule.next(snapshot.passes, snapshot.error.as_ref());
                 if next.is_none() {
                     good = f64::from(self.rel_mse(&snapshot.mean().pixels) <= wanted * wanted);
@@ -226,9 +248,10 @@ impl Renders {
 fn until(
     params: Params,
     first: u64,
+    threads: usize,
     look: &mut dyn FnMut(&Snapshot) -> Option<u64>,
 ) -> Result<(), ParamsError> {
-    let session = Session::with_options(params, first, Options::headless(0), || {})?;
+    let session = Session::with_options(params, first, Options::headless(threads), || {})?;
     let mut limit = first;
     for snapshot in session.snapshots() {
         match snapshot.state {
@@ -239,7 +262,7 @@ fn until(
                 }
                 None => break,
             },
-            State::Failed(reason) => return Err(ParamsError::Threads { threads: 0, reason }),
+            State::Failed(reason) => return Err(ParamsError::Threads { threads, reason }),
             _ => {}
         }
     }

@@ -49,6 +49,14 @@ pub enum ShapeError {
     /// A box with two or three sides of length zero.
     #[error("a box needs at least two sides of a length other than 0")]
     Flat,
+    /// The number of a material that has not been added.
+    #[error("there is no material {material}: {known} have been added, counted from 0")]
+    Material {
+        /// What was given.
+        material: MaterialId,
+        /// How many there are.
+        known: usize,
+    },
     /// More triangles than 32-bit indices can name.
     #[error("more than {0} triangles are not supported")]
     TooMany(usize),
@@ -138,6 +146,15 @@ impl SceneBuilder {
             || self.cylinders.iter().any(|(_, _, _, m)| emits(m))
     }
 
+    fn known(&self, material: MaterialId) -> Result<MaterialId, ShapeError> {
+        let known = self.materials.len();
+        if (material as usize) < known {
+            Ok(material)
+        } else {
+            Err(ShapeError::Material { material, known })
+        }
+    }
+
     /// A sphere, exact.
     pub fn sphere(
         &mut self,
@@ -145,7 +162,7 @@ impl SceneBuilder {
         radius: f64,
         material: MaterialId,
     ) -> Result<(), ShapeError> {
-        self.spheres.push((in_reach(centre)?, positive(radius)?, material));
+        self.spheres.push((in_reach(centre)?, positive(radius)?, self.known(material)?));
         Ok(())
     }
 
@@ -161,7 +178,7 @@ impl SceneBuilder {
         if axis.length() < 1e-18 {
             return Err(ShapeError::Axis(axis.length()));
         }
-        self.cylinders.push((in_reach(base)?, axis, positive(radius)?, material));
+        self.cylinders.push((in_reach(base)?, axis, positive(radius)?, self.known(material)?));
         Ok(())
     }
 
@@ -219,6 +236,9 @@ impl SceneBuilder {
             || self.positions.len() + mesh.positions.len() > MAX_TRIANGLES
         {
             return Err(ShapeError::TooMany(MAX_TRIANGLES));
+        }
+        for (_, material) in parts {
+            self.known(*material)?;
         }
         let placed: Vec<DVec3> =
             mesh.positions.iter().map(|&p| placement.transform_point3(p)).collect();

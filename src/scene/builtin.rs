@@ -25,7 +25,7 @@ macro_rules! files {
 }
 
 /// All of them, the default scene first.
-pub const EXAMPLES: [Example; 3] = [
+pub const EXAMPLES: [Example; 7] = [
     Example {
         name: "default",
         title: "A wentletrap",
@@ -51,6 +51,34 @@ pub const EXAMPLES: [Example; 3] = [
         shows: "four roughnesses under four lamp sizes: why two ways to find light are weighed",
         text: include_bytes!("../../assets/scenes/plates.scn"),
         models: files!["plate.ply"],
+    },
+    Example {
+        name: "gallery",
+        title: "Gallery",
+        shows: "copper, lacquer and plastic from polished to rough: go through the models",
+        text: include_bytes!("../../assets/scenes/gallery.scn"),
+        models: &[],
+    },
+    Example {
+        name: "furnace",
+        title: "White furnace",
+        shows: "light 1 from everywhere: what gives all of it back vanishes, darker loses light",
+        text: include_bytes!("../../assets/scenes/furnace.scn"),
+        models: &[],
+    },
+    Example {
+        name: "lights",
+        title: "Two hundred lights",
+        shows: "a hall with bulbs of many colours and powers: which one is asked for light matters",
+        text: include_bytes!("../../assets/scenes/lights.scn"),
+        models: &[],
+    },
+    Example {
+        name: "urchin",
+        title: "Sea urchins",
+        shows: "610,500 triangles under three glazes: knobs by the hundred, each with its highlight",
+        text: include_bytes!("../../assets/scenes/urchin.scn"),
+        models: files!["urchin.ply"],
     },
 ];
 

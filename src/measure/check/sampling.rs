@@ -251,7 +251,7 @@ fn directions(work: &mut Work, cos: f64) -> f64 {
 /// of a lacquer.
 fn albedo(work: &mut Work) {
     let lobe = Reference::of_width(work.subject.model, work.width);
-    let per_batch = if work.full { 1 << 17 } else { 1 << 14 };
+    let per_batch = if work.full { 1 << 16 } else { 1 << 14 };
     let (mut off, mut chance) = (0.0f64, 1.0f64);
     for (row, cos) in OPEN_COSINES.into_iter().enumerate() {
         let exact = quadrature::albedo(&lobe, cos, quadrature::Effort::FINE);

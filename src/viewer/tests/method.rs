@@ -16,6 +16,7 @@ fn choose(desk: &mut Desk, entry: &str) {
     desk.harness.get_by_role_and_label(Role::ComboBox, "Erratum").click();
     desk.harness.run();
     desk.harness.get_by_role_and_label(Role::Button, entry).click();
+    desk.harness.run_ok();
     desk.until_done(4);
 }
 

@@ -1,5 +1,7 @@
 //! `burnish check`: the proofs of the models, as a table.
 
+mod whole;
+
 use super::figures::significant;
 use super::{Failure, print, say, values};
 use burnish::brdf::{Erratum, Model, Normals, Roughness};
@@ -63,18 +65,13 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         failures += table.print(model, &roughnesses)?;
     }
     if args.full && args.erratum.is_none() {
-        failures += whole_renderer(args)?;
+        failures += whole::exact_scenes()? + whole::error_bar(args.threads)?;
     }
     match failures {
         0 => Ok(()),
         1 => Err(Failure::new("1 proof fails")),
         n => Err(Failure::new(format_args!("{n} proofs fail"))),
     }
-}
-
-/// What `--full` proves beyond the BRDF: how many of it fail.
-fn whole_renderer(_args: &Args) -> Result<usize, Failure> {
-    Ok(0)
 }
 
 impl Args {
