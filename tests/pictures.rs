@@ -133,8 +133,9 @@ fn png_holds_the_codes_of_a_ramp() {
     }
 }
 
-/// A flat picture between two codes holds both, mixed so that the mean is right in every block of
-/// 16x16 pixels: 64 times finer than a code, where white noise would be off by 1/32 (one sigma).
+/// A flat picture between two codes holds both, mixed so that the mean of every block of 32x32
+/// pixels is right to 1/128 of a code. White noise would be off by more in every other block: its
+/// standard deviation is 1/107 to 1/64.
 #[test]
 fn dither_keeps_the_mean_of_every_block() {
     for (curve, fraction) in
@@ -155,14 +156,14 @@ fn dither_keeps_the_mean_of_every_block() {
         let [from, to] = [edge(100), edge(101)];
         let level = 99.5 + fraction;
         let grey = (from + (to - from) * fraction) as f32;
-        let picture = Picture { width: 64, height: 48, pixels: vec![[grey; 3]; 64 * 48] };
+        let picture = Picture { width: 128, height: 96, pixels: vec![[grey; 3]; 128 * 96] };
         let codes = Tone { exposure: 0.0, curve }.dithered(&picture);
         let around = [level.floor() as u8, level.floor() as u8 + 1];
         assert!(codes.iter().all(|c| around.contains(&c[0]) && c[0] == c[1] && c[1] == c[2]));
-        for (x, y) in (0..4).flat_map(|x| (0..3).map(move |y| (16 * x, 16 * y))) {
-            let block = (0..256).map(|i| codes[(y + i / 16) * 64 + x + i % 16][0]);
-            let mean = block.map(f64::from).sum::<f64>() / 256.0;
-            assert!((mean - level).abs() < 1.0 / 64.0, "{curve:?} {level} at {x} {y}: {mean}");
+        for (x, y) in (0..4).flat_map(|x| (0..3).map(move |y| (32 * x, 32 * y))) {
+            let block = (0..1024).map(|i| codes[(y + i / 32) * 128 + x + i % 32][0]);
+            let mean = block.map(f64::from).sum::<f64>() / 1024.0;
+            assert!((mean - level).abs() < 1.0 / 128.0, "{curve:?} {level} at {x} {y}: {mean}");
         }
     }
 }
