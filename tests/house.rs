@@ -25,7 +25,7 @@ const ONE_PLACE: [(&str, &[&str]); 20] = [
     // Beneath `image`, for the recipes that it cannot write.
     ("png::", &["src/picture/files.rs"]),
     ("exr::", &["src/picture/files.rs"]),
-    ("sha2", &["src/scene/read/files.rs"]),
+    ("sha2::", &["src/scene/read/files.rs"]),
     ("rayon", &["src/progressive/work.rs"]),
     ("crossbeam_channel", &["src/progressive/"]),
     ("egui", &["src/viewer/"]),
