@@ -366,6 +366,13 @@ fn odd_geometry_builds_and_answers() {
     let mut stack = scene.bvh().stack();
     let ray = Ray { o: V3::new(0.0, 0.0, -5.0), d: V3::new(0.0, 0.0, 1.0) };
     assert!(scene.bvh().closest(scene.geometry(), &ray, 1e9, &mut stack).is_none());
+    // A material that is not there.
+    let mut b = SceneBuilder::new("no material");
+    let told = b.sphere(DVec3::ZERO, 1.0, 0).unwrap_err().to_string();
+    assert!(told.contains("no material 0"), "{told}");
+    assert!(b.cylinder(DVec3::ZERO, DVec3::Z, 1.0, 7).is_err());
+    assert!(b.cuboid(DVec3::ZERO, DVec3::ONE, u32::MAX).is_err());
+    assert_eq!((b.shapes(), b.is_lit()), (0, false));
     // One triangle; broken ones are dropped and counted.
     let mut b = SceneBuilder::new("one");
     let m = clay(&mut b);
@@ -406,4 +413,128 @@ fn odd_geometry_builds_and_answers() {
     }
     let still = Ray { o: V3::default(), d: V3::default() };
     assert!(scene.bvh().closest(g, &still, f32::INFINITY, &mut stack).is_none());
+}
+
+/// A plate cut into 2000 triangles a million times as long as wide: a ray at it hits one of them,
+/// at the plate's distance, from any side.
+#[test]
+fn needles_are_hit_and_nothing_falls_between_them() {
+    let (count, width) = (1000u32, 1e-6);
+    for turn in
+        [DAffine3::IDENTITY, DAffine3::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7)]
+    {
+        let mut mesh = Mesh::default();
+        for i in 0..=count {
+            let y = width * (i as f64 - 0.5 * count as f64);
+            mesh.positions.extend([DVec3::new(-0.5, y, 0.0), DVec3::new(0.5, y, 0.0)]);
+            if i > 0 {
+                let k = 2 * i;
+                mesh.triangles.extend([[k - 2, k - 1, k], [k - 1, k + 1, k]]);
+            }
+        }
+        let scene = scene_of(&mesh, turn);
+        assert_eq!(scene.counts().triangles, 2000);
+        let (g, placement) = (scene.geometry(), scene.placement());
+        let mut stack = scene.bvh().stack();
+        let local = |p: DVec3| v3(placement.to_local(turn.transform_point3(p)));
+        let mut r = Random::new(6);
+        for _ in 0..100_000 {
+            let half = 0.5 * width * count as f64 - 3e-6;
+            let aim = DVec3::new(r.within(-0.49, 0.49), r.within(-half, half), 0.0);
+            let mut from = DVec3::from_array(r.direction());
+            from.z = (0.2 + from.z.abs()).copysign(from.z);
+            let (o, target) = (local(from), local(aim));
+            let hit = scene.bvh().closest(g, &Ray { o, d: target - o }, f32::INFINITY, &mut stack);
+            let hit = hit.unwrap_or_else(|| panic!("{aim} was missed from {from}"));
+            assert!((hit.t - 1.0).abs() < 1e-4, "{aim} from {from}: met at {}", hit.t);
+        }
+    }
+}
+
+/// Boxes of one centre tell a builder nothing: 100,000 triangles and 2000 spheres inside each other
+/// still make a tree, and the ray finds the outermost one.
+#[test]
+fn a_hundred_thousand_shapes_of_one_centre_make_a_tree() {
+    let mut mesh = Mesh::default();
+    for i in 0..100_000 {
+        let a = 0.1 + 0.9 * i as f64 / 100_000.0;
+        let n = mesh.positions.len() as u32;
+        mesh.positions.extend([[-a, -a], [a, -a], [0.0, a]].map(|[x, y]| DVec3::new(x, y, 0.0)));
+        mesh.triangles.push([n, n + 1, n + 2]);
+    }
+    let mut b = SceneBuilder::new("nested");
+    let m = clay(&mut b);
+    b.mesh(&mesh, DAffine3::IDENTITY, m).unwrap();
+    for i in 0..2000 {
+        b.sphere(DVec3::ZERO, 0.3 + 1e-5 * i as f64, m).unwrap();
+    }
+    let scene = b.build();
+    assert_eq!((scene.counts().triangles, scene.counts().duplicates), (100_000, 0));
+    assert!(scene.bvh().depth() < 64, "{} levels", scene.bvh().depth());
+    let g = scene.geometry();
+    let mut stack = scene.bvh().stack();
+    let mut hit = |x: f32, y: f32| {
+        let ray = Ray { o: V3::new(x, y, 2.0), d: V3::new(0.0, 0.0, -1.0) };
+        scene.bvh().closest(g, &ray, f32::INFINITY, &mut stack)
+    };
+    // In the middle the largest sphere; beside it, of all the triangles in one plane that are large
+    // enough, the first.
+    assert_eq!(hit(0.0, 0.0).unwrap().primitive, 100_000 + 1999);
+    for x in [0.4f32, 0.55, 0.9] {
+        let first = hit(x, -0.95 * x).unwrap();
+        let a = g.corners(first.primitive as usize)[1].x;
+        let before = g.corners(first.primitive as usize - 1)[1].x;
+        let reaches = |a: f32| x <= a * (0.5 + 0.475 * x / a) && 0.95 * x <= a;
+        assert!(reaches(a * 1.001) && !reaches(before * 0.999), "{x}: {before} {a}");
+    }
+}
+
+/// Along an axis two of the three slabs divide 0 by 0 when the ray runs in a side of their box. A
+/// wall of squares at round coordinates, and rays exactly on its lines: all hit.
+#[test]
+fn rays_along_the_axes_and_in_the_sides_of_boxes_hit() {
+    let cells = 16;
+    for axis in 0..3 {
+        let mut b = SceneBuilder::new("wall");
+        let m = clay(&mut b);
+        let place = |u: f64, v: f64, w: f64| {
+            let mut p = DVec3::ZERO;
+            (p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]) = (w, u, v);
+            p
+        };
+        let at = |i: i32| (i - cells / 2) as f64 / 8.0;
+        for i in 0..cells {
+            for j in 0..cells {
+                b.cuboid(place(at(i), at(j), 0.0), place(0.125, 0.125, 0.0), m).unwrap();
+            }
+        }
+        let mut scene = b.build();
+        for isa in Isa::available() {
+            scene.set_isa(isa);
+            let g = scene.geometry();
+            let mut stack = scene.bvh().stack();
+            for i in 0..=2 * cells {
+                for j in 0..=2 * cells {
+                    for (side, zero) in [(1.0, 0.0), (-1.0, 0.0), (1.0, -0.0), (-1.0, -0.0)] {
+                        let o =
+                            v3(place((i - cells) as f64 / 16.0, (j - cells) as f64 / 16.0, side));
+                        let d = v3(place(zero, zero, -side));
+                        let ray = Ray { o, d };
+                        let hit = scene.bvh().closest(g, &ray, f32::INFINITY, &mut stack);
+                        assert!(hit.is_some_and(|h| h.t == 1.0), "{i} {j}: {ray:?} {hit:?}");
+                        assert!(scene.bvh().occluded(g, &ray, f32::INFINITY, &mut stack));
+                        // In the plane of the wall there is nothing to hit, and nothing to wait for.
+                        let along = Ray {
+                            o: v3(place(-3.0, at(j / 2), 0.0)),
+                            d: v3(place(1.0, zero, zero)),
+                        };
+                        if let Some(hit) = scene.bvh().closest(g, &along, f32::INFINITY, &mut stack)
+                        {
+                            assert!(hit.t.is_finite(), "{hit:?}");
+                        }
+                    }
+                }
+            }
+        }
+    }
 }

@@ -7,6 +7,7 @@ use burnish::progressive::{Options, Params, Session, Snapshot, State, TileImage,
 use burnish::scene::{Camera, Material, Scene, SceneBuilder};
 use glam::DVec3;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 fn small_room() -> Arc<Scene> {
@@ -37,7 +38,7 @@ fn the_same_bits_on_any_number_of_threads() {
         let one = render(params.clone(), 11, 1).unwrap();
         assert_eq!(one.counts.nonfinite, 0);
         assert_eq!(one.counts.paths, 70 * 50 * 11);
-        for threads in [2, 16] {
+        for threads in [2, 7, 16] {
             let many = render(params.clone(), 11, threads).unwrap();
             assert_eq!(one.mean(), many.mean());
             assert_eq!(one.standard_error(), many.standard_error());
@@ -172,6 +173,50 @@ fn headless_options_skip_the_preview() {
         assert!(s.tiles.iter().flatten().all(|t| t.block == 1));
         if s.state == State::Done {
             return;
+        }
+    }
+}
+
+/// A worker that panics is told with all that it takes to repeat it, and the next change of
+/// parameters is rendered as if nothing had been.
+#[test]
+fn a_worker_that_fails_is_told_and_the_next_change_goes_on() {
+    let params = Params { size: [96, 96], ..Params::new(small_room()) };
+    let trap = Arc::new(AtomicBool::new(true));
+    let sprung = trap.clone();
+    // It is the workers that notify.
+    let notify = move || assert!(!sprung.swap(false, Ordering::SeqCst), "a trap of the test");
+    let options = Options { threads: 2, preview: false, interval: Duration::ZERO };
+    let session = Session::with_options(params.clone(), 3, options, notify).unwrap();
+    let failed = |s: &Snapshot| matches!(s.state, State::Failed(_));
+    let Some(Snapshot { state: State::Failed(why), .. }) = session.snapshots().iter().find(failed)
+    else {
+        panic!("no snapshot tells of the failure")
+    };
+    for part in ["a trap of the test", "small room", "ggx", "seed 0", "96x96"] {
+        assert!(why.contains(part), "{part} in {why}");
+    }
+    let next = Params { seed: 1, ..params };
+    let epoch = session.set(next.clone()).unwrap();
+    assert_eq!(finished(&session, epoch).mean(), render(next, 3, 1).unwrap().mean());
+}
+
+/// A sky of infinite radiance: the samples that met it are counted and kept out of the sums, the
+/// others stay what they are.
+#[test]
+fn samples_that_are_no_numbers_are_counted_and_left_out() {
+    for sky in [f32::INFINITY, f32::NAN] {
+        let mut b = SceneBuilder::new("half a sky");
+        let lamp = b.material(Material::light("lamp", [2.0; 3]).unwrap());
+        b.cuboid(DVec3::new(-50.0, 1.0, -50.0), DVec3::new(50.0, 0.0, 100.0), lamp).unwrap();
+        b.environment = [sky; 3];
+        b.camera = Some(Camera::look_at(DVec3::ZERO, DVec3::Y, 0.8).unwrap());
+        b.screen = [8, 6];
+        let s = render(Params::new(Arc::new(b.build())), 10, 2).unwrap();
+        // The left half of the picture is the lamp, the right half the sky.
+        assert_eq!((s.counts.nonfinite, s.counts.paths), (8 * 6 * 10 / 2, 8 * 6 * 10));
+        for (i, pixel) in s.mean().pixels.iter().enumerate() {
+            assert_eq!(*pixel, if i % 8 < 4 { [2.0; 3] } else { [0.0; 3] }, "{sky} {i}");
         }
     }
 }

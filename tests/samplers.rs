@@ -177,7 +177,7 @@ impl ModelVisitor for Directions {
 #[test]
 fn directions_follow_the_density_of_the_mixture() {
     for model in Model::ALL {
-        for alpha in [0.15, 0.3, 0.6, 1.0] {
+        for alpha in [0.1, 0.15, 0.3, 0.6, 1.0] {
             for cos in [0.999, 0.7, 0.3] {
                 for (kd, ks) in [(0.5, 0.2), (0.0, 0.8), (0.6, 0.0)] {
                     let lobes =
@@ -194,7 +194,7 @@ fn directions_follow_the_density_of_the_mixture() {
 
 #[test]
 fn directions_of_the_distributions_normals_follow_their_density() {
-    for alpha in [0.15, 0.3, 0.6, 1.0] {
+    for alpha in [0.1, 0.15, 0.3, 0.6, 1.0] {
         for cos in [0.999, 0.7, 0.3] {
             let lobes = Lobes { kd: Rgb::BLACK, ks: Rgb::splat(0.8), width: width(alpha) };
             let directions = || Directions { lobes, wo: viewer(cos, 0.4) };
@@ -254,6 +254,110 @@ fn samples_carry_the_value_and_density_of_their_direction() {
                     let sigmas = (sampled.mean - uniform.mean).abs() / se;
                     assert!(sigmas < 4.5, "{case}: albedo {} and {}", sampled.mean, uniform.mean);
                 }
+            }
+        }
+    }
+}
+
+/// Directional albedos E1 of the lobe with F = 1 and E5 of the one with F = (1 - cos)^5, by
+/// quadrature to 1e-12: a lobe of any Ks has `Ks E1 + (1 - Ks) E5`.
+const ALBEDOS: &str = include_str!("data/albedo.csv");
+
+/// Albedos of three channels by sampling: the mean weights of independent sets of samples.
+struct Albedo {
+    lobes: Lobes,
+    wo: V3,
+    strata: usize,
+    seed: u64,
+}
+
+const SETS: u64 = 16;
+
+impl ModelVisitor for Albedo {
+    type Output = [Mean; 3];
+    /// Each set has one sample in every cell of a grid over the unit square, and lobes chosen by
+    /// a golden-ratio sequence: fewer samples do, and sets stay independent of each other.
+    fn visit<M: Microfacet>(self) -> [Mean; 3] {
+        let view = self.lobes.seen_from::<M>(self.wo);
+        let (mut r, n) = (Random::new(self.seed), self.strata);
+        let mut means = [Mean::default(); 3];
+        for _ in 0..SETS {
+            let (shift, mut sums) = (r.unit() as f64, [0.0; 3]);
+            for cell in 0..n * n {
+                let within = |place: usize, x: f32| (place as f32 + x) / n as f32;
+                let u = [within(cell % n, r.unit()), within(cell / n, r.unit())];
+                let u = u.map(|u| u.min(1.0 - f32::EPSILON / 2.0));
+                let choice = (shift + 0.618_033_988_749_895 * cell as f64).fract() as f32;
+                let s = view.sample::<M>(choice.min(1.0 - f32::EPSILON / 2.0), u);
+                // What fell below the horizon found nothing, and counts.
+                if s.pdf > 0.0 {
+                    let weight = s.wi.z as f64 / s.pdf as f64;
+                    for (sum, f) in sums.iter_mut().zip([s.f.r, s.f.g, s.f.b]) {
+                        *sum += f as f64 * weight;
+                    }
+                }
+            }
+            for (mean, sum) in means.iter_mut().zip(sums) {
+                mean.add(sum / (n * n) as f64);
+            }
+        }
+        means
+    }
+}
+
+/// Every row of the table, for a lobe alone and for lobes whose channels differ, of which the one
+/// that is sampled least may not suffer.
+#[test]
+fn albedos_by_sampling_are_those_of_the_table() {
+    let (mut checks, mut worst) = (0, 0.0f64);
+    for (row, line) in ALBEDOS.lines().skip(1).enumerate() {
+        let (name, numbers) = line.split_once(',').unwrap();
+        let numbers: Vec<f64> = numbers.split(',').map(|x| x.parse().unwrap()).collect();
+        let [parameter, cos, e1, e5] = numbers[..] else { panic!("{line}") };
+        let model = Model::ALL.into_iter().find(|m| m.name() == name).unwrap();
+        let roughness = match model {
+            Model::Phong => Roughness::from_exponent(parameter).unwrap(),
+            _ => Roughness::from_alpha(parameter).unwrap(),
+        };
+        for (kd, ks) in [([0.0; 3], [1.0, 0.5, 0.04]), ([0.2, 0.0, 0.7], [0.04, 0.9, 0.3])] {
+            let rgb = |c: [f32; 3]| Rgb::new(c[0], c[1], c[2]);
+            let lobes = Lobes { kd: rgb(kd), ks: rgb(ks), width: roughness.into() };
+            // Phong's normals are drawn whoever looks, which costs noise where he grazes.
+            let strata = if model == Model::Phong && cos < 0.3 { 96 } else { 32 };
+            let ask = Albedo { lobes, wo: viewer(cos, 0.9), strata, seed: 100 + row as u64 };
+            for (c, mean) in model.visit(ask).into_iter().enumerate() {
+                let (kd, ks) = (kd[c] as f64, ks[c] as f64);
+                let expected = kd + ks * e1 + (1.0 - ks) * e5;
+                let off = mean.mean - expected;
+                let case = format!("{line}, Kd {kd} Ks {ks}: {} not {expected}", mean.mean);
+                // Student with 15 degrees of freedom: beyond 8 once in a million.
+                let noise = mean.standard_error().max(2e-6 * expected);
+                assert!(off.abs() < 8.0 * noise, "{case} +- {noise}");
+                assert!(off.abs() < 1e-3 * expected.max(1.0), "{case}");
+                worst = worst.max(off.abs());
+                checks += 1;
+            }
+        }
+    }
+    assert!(checks > 4000 && worst > 0.0, "{checks} {worst}");
+}
+
+#[test]
+fn warps_stay_in_range_at_the_ends_of_theirs() {
+    let top = 1.0 - f32::EPSILON / 2.0;
+    for u in [0.0, f32::MIN_POSITIVE, f32::EPSILON / 2.0, 0.25, 0.5, 0.75, 1.0 - 1e-6, top] {
+        for v in [0.0, f32::MIN_POSITIVE, f32::EPSILON / 2.0, 0.25, 0.5, 0.75, 1.0 - 1e-6, top] {
+            let d = warp::cosine_hemisphere([u, v]);
+            assert!(d.z > 0.0 && (d.length() - 1.0).abs() < 1e-6, "{u} {v}: {d:?}");
+            assert!(warp::cosine_hemisphere_pdf(d.z) > 0.0, "{u} {v}");
+            let [x, y] = warp::disc([u, v]);
+            assert!(x * x + y * y <= 1.0 + 1e-6, "{u} {v}: {x} {y}");
+            let [a, b] = warp::triangle([u, v]);
+            assert!(a >= 0.0 && b >= 0.0 && a + b <= 1.0, "{u} {v}: {a} {b}");
+            for wide in [2.0, 1.0, 1e-3, 1e-7, 1e-12, 1e-30] {
+                let d = warp::cone([u, v], wide);
+                assert!((d.length() - 1.0).abs() < 1e-6 && 1.0 - d.z <= wide * (1.0 + 1e-6) + 6e-8);
+                assert!(warp::cone_pdf(wide).is_finite());
             }
         }
     }

@@ -43,9 +43,15 @@ fn assert_mean(case: &str, mean: Mean, expected: f64, relative: f64) {
 /// All walls emit 1 and reflect rho: every direction carries 1 / (1 - rho).
 #[test]
 fn furnaces_of_every_shape_scale_and_place() {
-    for (shape, scale, shift) in
-        [(0, 1.0, 0.0), (0, 1e-6, 0.0), (0, 1e6, 1e6), (1, 1.0, 1e6), (1, 1e6, 0.0), (2, 1.0, 0.0)]
-    {
+    for (shape, scale, shift) in [
+        (0, 1.0, 0.0),
+        (0, 1e-6, 0.0),
+        (0, 1e-46, 0.0),
+        (0, 1e6, 1e6),
+        (1, 1.0, 1e6),
+        (1, 1e17, 0.0),
+        (2, 1.0, 0.0),
+    ] {
         for rho in [0.0, 0.5, 0.9] {
             let mut b = SceneBuilder::new("furnace");
             let wall = b.material(diffuse(rho).emitting([1.0; 3]).unwrap());
@@ -199,6 +205,74 @@ fn no_light_leaks_into_a_closed_box() {
         let s = render(params, 16, 0).unwrap();
         assert!(s.counts.rays > 10_000_000, "{}", s.counts.rays);
         assert!(s.mean().pixels.iter().all(|p| *p == [0.0; 3]));
+    }
+}
+
+/// Shading normals that have nothing to do with the faces may darken, never let light in.
+#[test]
+fn normals_that_lie_let_no_light_in() {
+    let mut b = SceneBuilder::new("closed box");
+    let wall = Material::reflecting("wall", [0.5; 3], [0.5; 3], 20.0).unwrap();
+    let wall = b.material(wall);
+    let mut r = support::Random::new(8);
+    let mut cube = Mesh::default();
+    let n = 8u32;
+    for face in 0..6usize {
+        let first = cube.positions.len() as u32;
+        for i in 0..(n + 1) * (n + 1) {
+            let mut p = DVec3::splat(if face < 3 { 1.0 } else { -1.0 });
+            p[(face + 1) % 3] = (i % (n + 1)) as f64 / n as f64 * 2.0 - 1.0;
+            p[(face + 2) % 3] = (i / (n + 1)) as f64 / n as f64 * 2.0 - 1.0;
+            cube.positions.push(p);
+            cube.normals.push(DVec3::from_array(r.direction()));
+        }
+        for i in 0..n * n {
+            let a = first + i / n * (n + 1) + i % n;
+            cube.triangles.extend([[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]);
+        }
+    }
+    b.mesh(&cube, DAffine3::from_quat(DQuat::from_rotation_z(0.3)), wall).unwrap();
+    b.environment = [1e6; 3];
+    b.camera = Some(camera(DVec3::new(-0.1, 0.2, 0.1), DVec3::new(1.0, 1.0, 1.0), 2.0));
+    b.screen = [96, 96];
+    for model in Model::ALL {
+        let inside = Params { model, ..Params::new(Arc::new(b.clone().build())) };
+        let s = render(inside, 16, 0).unwrap();
+        assert!(s.mean().pixels.iter().all(|p| *p == [0.0; 3]), "{model:?}");
+        // From outside it is lit, and no sample is lost.
+        let mut outside = b.clone();
+        outside.camera = Some(camera(DVec3::splat(4.0), DVec3::ZERO, 0.5));
+        let s = render(Params { model, ..Params::new(Arc::new(outside.build())) }, 16, 0).unwrap();
+        assert_eq!(s.counts.nonfinite, 0);
+        assert!(s.mean().pixels.iter().any(|p| p[0] > 1e5 && p[0] < 9e5), "{model:?}");
+    }
+}
+
+/// Kd 1 and a lobe on top: every bounce gives back more than it gets. Such a room is read and
+/// rendered; the series grows faster than a white room's, which adds 1 a bounce, and without a
+/// limit it has no sum, but every path ends and every sample is a number.
+#[test]
+fn a_room_that_gains_light_ends_and_stays_finite() {
+    let mut b = SceneBuilder::new("gain");
+    let wall = Material::reflecting("wall", [1.0; 3], [0.5; 3], 6.0).unwrap();
+    let wall = b.material(wall.emitting([1.0; 3]).unwrap());
+    b.sphere(DVec3::ZERO, 1.0, wall).unwrap();
+    b.camera = Some(camera(DVec3::new(0.1, 0.0, 0.0), DVec3::X, 1.0));
+    b.screen = [16, 16];
+    let scene = Arc::new(b.build());
+    for model in Model::ALL {
+        let of = |depth| {
+            let params = Params { model, max_depth: depth, ..Params::new(scene.clone()) };
+            render(params, 64, 0).unwrap()
+        };
+        let mean = |s: &burnish::progressive::Snapshot| {
+            s.mean().pixels.iter().map(|p| p[0] as f64).sum::<f64>() / 256.0
+        };
+        assert!(mean(&of(Some(4))) > 6.0, "{model:?}: a white room has 5");
+        let endless = of(None);
+        assert_eq!(endless.counts.nonfinite, 0);
+        assert!(mean(&endless).is_finite() && mean(&endless) > 10.0);
+        assert!(endless.counts.rays < 1000 * endless.counts.paths);
     }
 }
 

@@ -1,6 +1,6 @@
 //! From what a reader found, in world units and f64, to a validated [`Scene`] in f32.
 
-use super::{Camera, Light, Material, MaterialId, Placement, Scene, SceneCounts};
+use super::{Camera, Light, Material, MaterialId, Placement, Scene, SceneCounts, Source};
 use crate::geometry::{Bvh, Cylinder, Geometry, PrimitiveRange, Sphere};
 use crate::math::V3;
 use glam::{DAffine3, DVec3};
@@ -49,6 +49,14 @@ pub enum ShapeError {
     /// A box with two or three sides of length zero.
     #[error("a box needs at least two sides of a length other than 0")]
     Flat,
+    /// The number of a material that has not been added.
+    #[error("there is no material {material}: {known} have been added, counted from 0")]
+    Material {
+        /// What was given.
+        material: MaterialId,
+        /// How many there are.
+        known: usize,
+    },
     /// More triangles than 32-bit indices can name.
     #[error("more than {0} triangles are not supported")]
     TooMany(usize),
@@ -76,6 +84,8 @@ const MAX_TRIANGLES: usize = 1 << 30;
 pub struct SceneBuilder {
     /// Shown in the window's title and status line.
     pub name: String,
+    /// The files that it comes from; filled by the readers.
+    pub source: Source,
     /// Width and height in pixels that the file asks for.
     pub screen: [u32; 2],
     /// The file's camera; `None` frames the whole scene.
@@ -97,6 +107,7 @@ impl SceneBuilder {
     pub fn new(name: impl Into<String>) -> SceneBuilder {
         SceneBuilder {
             name: name.into(),
+            source: Source::default(),
             screen: [640, 480],
             camera: None,
             environment: [0.0; 3],
@@ -135,6 +146,15 @@ impl SceneBuilder {
             || self.cylinders.iter().any(|(_, _, _, m)| emits(m))
     }
 
+    fn known(&self, material: MaterialId) -> Result<MaterialId, ShapeError> {
+        let known = self.materials.len();
+        if (material as usize) < known {
+            Ok(material)
+        } else {
+            Err(ShapeError::Material { material, known })
+        }
+    }
+
     /// A sphere, exact.
     pub fn sphere(
         &mut self,
@@ -142,7 +162,7 @@ impl SceneBuilder {
         radius: f64,
         material: MaterialId,
     ) -> Result<(), ShapeError> {
-        self.spheres.push((in_reach(centre)?, positive(radius)?, material));
+        self.spheres.push((in_reach(centre)?, positive(radius)?, self.known(material)?));
         Ok(())
     }
 
@@ -158,7 +178,7 @@ impl SceneBuilder {
         if axis.length() < 1e-18 {
             return Err(ShapeError::Axis(axis.length()));
         }
-        self.cylinders.push((in_reach(base)?, axis, positive(radius)?, material));
+        self.cylinders.push((in_reach(base)?, axis, positive(radius)?, self.known(material)?));
         Ok(())
     }
 
@@ -216,6 +236,9 @@ impl SceneBuilder {
             || self.positions.len() + mesh.positions.len() > MAX_TRIANGLES
         {
             return Err(ShapeError::TooMany(MAX_TRIANGLES));
+        }
+        for (_, material) in parts {
+            self.known(*material)?;
         }
         let placed: Vec<DVec3> =
             mesh.positions.iter().map(|&p| placement.transform_point3(p)).collect();
@@ -314,6 +337,7 @@ impl SceneBuilder {
         let aspect = self.screen[0] as f64 / self.screen[1].max(1) as f64;
         Scene {
             name: self.name,
+            source: self.source,
             screen: self.screen,
             camera: self.camera.unwrap_or_else(|| Camera::framing(low, high, aspect)),
             environment: self.environment,

@@ -321,3 +321,152 @@ fn sample_cylinder(geometry: &Geometry, index: usize, choice: f32, u: [f32; 2]) 
     };
     cylinder.surface(p)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Ray;
+    use crate::scene::SceneBuilder;
+    use glam::{DAffine3, DVec3};
+
+    /// Numbers in [0, 1), ends included, in an order without pattern.
+    fn numbers() -> impl Iterator<Item = [f32; 3]> {
+        let top = 1.0 - f32::EPSILON / 2.0;
+        let ends = [0.0, f32::EPSILON / 2.0, 0.5, top];
+        let corners = (0..64).map(move |i| [ends[i % 4], ends[i / 4 % 4], ends[i / 16]]);
+        let between = (1..4000u32).map(|i| {
+            [0.754_877_7, 0.569_840_3, 0.430_159_7].map(|a: f64| (a * f64::from(i)).fract() as f32)
+        });
+        corners.chain(between.map(move |u| u.map(|x| x.min(top))))
+    }
+
+    fn wide(v: V3) -> DVec3 {
+        DVec3::new(v.x.into(), v.y.into(), v.z.into())
+    }
+
+    /// From a spark to a ball whose surface is a hundredth of a millionth of its radius away.
+    #[test]
+    fn the_cone_of_a_sphere_is_known_at_every_size() {
+        let ratios = [1e-6, 1e-4, 1e-3, 0.03, 0.5, 0.9, 0.99, 1.0 - 1e-3, 1.0 - 1e-5, 1.0 - 1e-7];
+        for ratio in ratios {
+            for towards in [DVec3::X, DVec3::new(0.3, -0.8, 0.5).normalize()] {
+                let centre = V3::from((towards * 0.7).as_vec3().to_array());
+                let sphere = Sphere { centre, radius: (0.7 * ratio) as f32 };
+                let (p, radius) = (V3::default(), f64::from(sphere.radius));
+                // 1 - cos as 2 sin²(half the angle), for distances as far off as their rounding.
+                let exact = |off: f64| {
+                    let sin = (radius / (wide(centre).length() * (1.0 + off))).min(1.0);
+                    2.0 * (sin.asin() / 2.0).sin().powi(2)
+                };
+                let Some((axis, found)) = cone(sphere, p) else {
+                    assert!(ratio > 1.0 - 1e-6, "{ratio}: taken for inside");
+                    continue;
+                };
+                let (low, high) = (exact(1.5e-7) * (1.0 - 1e-6), exact(-1.5e-7) * (1.0 + 1e-6));
+                let found = f64::from(found);
+                assert!((low..=high).contains(&found), "{ratio}: {low} {found} {high}");
+                for [u, v, _] in numbers() {
+                    let (wi, pdf, _) = sample_sphere(sphere, p, [u, v]);
+                    assert!((pdf * sphere_pdf(sphere, p).recip() - 1.0).abs() < 1e-6, "{ratio}");
+                    assert!((wi.length() - 1.0).abs() < 1e-6, "{ratio}: {wi:?}");
+                    let off = 0.5 * (wi - axis).length2();
+                    assert!(
+                        f64::from(off) < found * (1.0 + 1e-4) + 1e-13,
+                        "{ratio}: {off} {found}"
+                    );
+                    // The shadow ray ends on the near side of the sphere.
+                    match Target::SphereWithin(sphere).end(p, wi) {
+                        End::Distance(t) => {
+                            let t = f64::from(t);
+                            assert!(t >= 0.0 && t < 0.7 * (1.0 + 1e-6), "{ratio}: ends at {t}");
+                        }
+                        _ => panic!("{ratio}: a direction within the cone missed"),
+                    }
+                }
+            }
+        }
+    }
+
+    /// From inside and from the surface itself all directions are asked alike.
+    #[test]
+    fn inside_a_sphere_the_cone_is_everything() {
+        let sphere = Sphere { centre: V3::new(0.25, 0.5, -0.5), radius: 0.25 };
+        for x in [0.25, 0.3, 0.375, 0.5] {
+            let p = V3::new(x, 0.5, -0.5);
+            assert!((sphere_pdf(sphere, p) * 4.0 * PI - 1.0).abs() < 1e-6);
+            let mut upwards = 0;
+            for [u, v, _] in numbers() {
+                let (wi, pdf, target) = sample_sphere(sphere, p, [u, v]);
+                assert!((pdf * 4.0 * PI - 1.0).abs() < 1e-6 && (wi.length() - 1.0).abs() < 1e-6);
+                upwards += i32::from(wi.y > 0.0);
+                match target.end(p, wi) {
+                    End::Distance(t) => assert!(t > 0.0 && t <= 0.5, "at {x}: {t}"),
+                    // From the surface, outwards.
+                    End::Missed => assert!(x == 0.5 && wi.x >= -1e-6, "at {x}: missed {wi:?}"),
+                    End::At(_) => panic!("a sphere's end is a distance"),
+                }
+            }
+            assert!((1900..2200).contains(&upwards), "{upwards}");
+        }
+    }
+
+    /// A point of a light is asked for with the density with which it is known when met, whatever
+    /// the shape; that is what makes the weights of the two ways sum to 1.
+    #[test]
+    fn asked_and_met_have_one_density() {
+        let mut b = SceneBuilder::new("lamps");
+        let lamp = b.material(Material::light("lamp", [1.0, 2.0, 3.0]).unwrap());
+        let dim = b.material(Material::light("dim", [1e-3; 3]).unwrap());
+        let v = DVec3::new;
+        b.sphere(v(0.6, 0.5, 0.1), 0.2, lamp).unwrap();
+        b.sphere(v(-0.4, 0.8, 0.0), 1e-4, dim).unwrap();
+        b.cylinder(v(-0.5, -0.6, -0.3), v(0.1, 0.2, 0.5), 0.15, lamp).unwrap();
+        b.cuboid(v(0.4, -0.7, -0.4), v(0.3, 0.2, 0.6), dim).unwrap();
+        let mesh = crate::scene::Mesh {
+            positions: vec![
+                v(-0.9, 0.0, 0.8),
+                v(0.9, 0.1, 0.8),
+                v(0.0, 0.6, 0.9),
+                v(0.9, 0.2, 0.8),
+            ],
+            normals: vec![],
+            triangles: vec![[0, 1, 2], [1, 3, 2]],
+        };
+        b.mesh(&mesh, DAffine3::IDENTITY, lamp).unwrap();
+        let scene = b.build();
+        let lights = Lights::new(&scene, scene.materials(), false);
+        let (g, mut stack) = (scene.geometry(), scene.bvh().stack());
+        let (mut met, mut kinds) = (0, [0; 3]);
+        for [choice, u, w] in numbers() {
+            for p in [V3::default(), V3::new(0.05, -0.1, 0.45), V3::new(-0.2, 0.15, -0.6)] {
+                let n = V3::new(0.0, 0.0, 1.0);
+                let Some(asked) = lights.sample(g, p, n, choice, [u, w]) else { continue };
+                assert!(asked.pdf > 0.0 && asked.pdf.is_finite());
+                let ray = Ray { o: p, d: asked.wi };
+                let hit = scene.bvh().closest(g, &ray, f32::INFINITY, &mut stack);
+                let Some(hit) = hit else { continue };
+                let surface = g.surface(&ray, &hit);
+                // What is in front of the point asked for is another question.
+                let reached = match asked.target.end(p, asked.wi) {
+                    End::At(q) => (q.p - surface.p).length() < 1e-5,
+                    End::Distance(t) => (t - hit.t).abs() < 1e-5 * hit.t,
+                    End::Missed => false,
+                };
+                // A grazing angle magnifies the last digit of the point.
+                if !reached || surface.ng.dot(asked.wi).abs() < 0.02 {
+                    continue;
+                }
+                let known = lights.pdf(g, p, asked.wi, hit.primitive, &surface, hit.t);
+                assert!((known / asked.pdf - 1.0).abs() < 2e-3, "{hit:?}: {known} {}", asked.pdf);
+                let of_kind = match g.kind(hit.primitive) {
+                    Kind::Triangle(_) => 0,
+                    Kind::Sphere(_) => 1,
+                    Kind::Cylinder(_) => 2,
+                };
+                kinds[of_kind] += 1;
+                met += 1;
+            }
+        }
+        assert!(met > 6000 && kinds.iter().all(|&n| n > 500), "{met} {kinds:?}");
+    }
+}

@@ -1,7 +1,11 @@
 //! No input may panic, hang or eat memory.
 
 use super::text;
+use burnish::geometry::Ray;
+use burnish::math::V3;
 use burnish::scene::read::{self, Memory};
+use burnish::scene::{SceneBuilder, builtin};
+use std::path::Path;
 
 #[test]
 fn broken_files_are_errors() {
@@ -51,6 +55,7 @@ fn broken_files_are_errors() {
         ("a.obj", format!("{vertices}f 1//1 2//1 3//1")),
         ("a.obj", format!("{vertices}v {long} x 0\nf 1 2 3")),
         ("a.obj", "v 1e999 0 0\nv 0 0 0\nv 0 1 0\nf 1 2 3".into()),
+        ("a.obj", "v 1e19 0 0\nv 0 1 0\nv 1 0 0\nf 1 2 3".into()),
         ("a.obj", "v 1e39 0 0\nv 1e39 0 0\nv 1e39 1 0\nf 1 2 3".into()),
         ("a.obj", format!("{}\\", "v 0 0 0 \\\n".repeat(1000))),
         ("a.ply", garbage),
@@ -188,4 +193,74 @@ fn thousands_of_damaged_files_neither_panic_nor_hang() {
     }
     // Both ways are taken often, or the damage is too great or too small to test anything.
     assert!(read.iter().all(|&n| n > 1000), "{read:?}");
+}
+
+/// Builds what was read and sends rays through it: none may panic, and what is hit is somewhere.
+fn build_and_trace(builder: SceneBuilder, random: &mut Random) -> u32 {
+    let scene = builder.build();
+    let (geometry, mut stack) = (scene.geometry(), scene.bvh().stack());
+    let mut number = || random.below(2001) as f32 / 1000.0 - 1.0;
+    let mut hits = 0;
+    for _ in 0..20 {
+        let (o, target) =
+            (V3::new(3.0 * number(), 3.0 * number(), 3.0), V3::new(number(), number(), number()));
+        let ray = Ray { o, d: target - o };
+        let hit = scene.bvh().closest(geometry, &ray, f32::INFINITY, &mut stack);
+        assert_eq!(scene.bvh().occluded(geometry, &ray, f32::INFINITY, &mut stack), hit.is_some());
+        if let Some(hit) = hit {
+            let p = geometry.surface(&ray, &hit).p;
+            assert!(hit.t > 0.0 && p.abs().max_component() < 2.0, "{hit:?} {p:?}");
+            hits += 1;
+        }
+    }
+    hits
+}
+
+/// The shipped scenes and models, damaged: every one a scene that can be built and traced, or an
+/// error in a few words. What is read is no more than the bytes explain.
+#[test]
+fn damaged_shipped_scenes_are_scenes_or_errors() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/scenes");
+    let mut good: Vec<(String, Vec<u8>)> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|e| e == "scn" || e == "ply"))
+        .map(|path| {
+            let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+            (name, std::fs::read(path).unwrap())
+        })
+        .collect();
+    good.sort();
+    assert!(good.len() >= builtin::EXAMPLES.len() + 5, "{} files", good.len());
+    let mut random = Random(20_261_122);
+    let (mut read, mut hits, mut traced) = ([0, 0], 0, 0);
+    for round in 0..2600 {
+        let (name, whole) = &good[round % good.len()];
+        // The large one is read thousands of times slower than the others.
+        if whole.len() > 100_000 && round > 13 * good.len() {
+            continue;
+        }
+        let bytes = random.mutate(whole);
+        let files: Vec<(&str, &[u8])> = good
+            .iter()
+            .filter(|(_, bytes)| bytes.len() < 100_000)
+            .map(|(n, b)| (n.as_str(), if n == name { &bytes } else { b.as_slice() }))
+            .collect();
+        match read::read(&bytes, name.as_ref(), &Memory(&files)) {
+            Ok((builder, report)) => {
+                read[0] += 1;
+                let most = 20_000 + bytes.len();
+                assert!(builder.shapes() <= most, "{name}: {} shapes", builder.shapes());
+                assert!(report.warnings.iter().all(|w| w.to_string().len() < 500));
+                hits += build_and_trace(builder, &mut random);
+                traced += 20;
+            }
+            Err(error) => {
+                read[1] += 1;
+                assert!(error.to_string().len() < 500, "{error}");
+            }
+        }
+    }
+    assert!(read.iter().all(|&n| n > 500), "{read:?}");
+    assert!(hits > traced / 50, "{hits} hits of {traced} rays");
 }

@@ -126,3 +126,74 @@ fn a_model_is_read_once_however_often_it_is_placed() {
     let (builder, report) = read::read_scn(scene.as_bytes(), "s.scn".as_ref(), &files).unwrap();
     assert_eq!((builder.shapes(), files.0.get(), report.notes.len()), (150, 1, 1));
 }
+
+/// A name need not be text, nor lie in the scene's folder.
+#[cfg(unix)]
+#[test]
+fn names_are_bytes_and_lead_anywhere() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let folder = tempfile::tempdir().unwrap();
+    let odd = folder.path().join(OsStr::from_bytes(b"sc\xffne \x1b[2J.scn"));
+    std::fs::write(&odd, "light 1 1 1\nsphere 0 0 0 1\n").unwrap();
+    assert_eq!(read::open(&odd).unwrap().0.shapes(), 1);
+    std::fs::write(&odd, "sphere 0 0 zero 1\n").unwrap();
+    let text = message(read::open(&odd));
+    assert!(text.ends_with("expected a number for cz, not `zero`"), "{text}");
+
+    // Out of the folder and in again; what is found there is a model or an error, never a secret.
+    let inner = folder.path().join("inner");
+    std::fs::create_dir(&inner).unwrap();
+    let scene = inner.join("s.scn");
+    std::fs::copy("tests/data/leaf.ply", folder.path().join("leaf.ply")).unwrap();
+    std::fs::write(&scene, "mesh ../inner/../leaf.ply 0 0 0 1\n").unwrap();
+    assert_eq!(read::open(&scene).unwrap().0.shapes(), 3);
+    std::fs::write(folder.path().join("secret.ply"), "the password is 12345\n").unwrap();
+    std::fs::write(&scene, "mesh ../secret.ply 0 0 0 1\n").unwrap();
+    let text = message(read::open(&scene));
+    assert!(text.contains("expected `ply`") && !text.contains("12345"), "{text}");
+    // Names without end, and names of nothing.
+    let long = "a/".repeat(5000);
+    for name in [long.as_str(), "..", "/", "\u{0}.ply"] {
+        std::fs::write(&scene, format!("light 1 1 1\nsphere 0 0 0 1\nmesh {name} 0 0 0 1\n"))
+            .unwrap();
+        match read::open(&scene) {
+            Ok((builder, report)) => {
+                assert_eq!(builder.shapes(), 1);
+                assert!(!report.warnings.is_empty(), "{name:.20} is left out in silence");
+            }
+            Err(error) => assert!(error.to_string().len() < 500, "{name:.20}: {error}"),
+        }
+    }
+}
+
+/// A lamp whose triangles have no area is not a lamp: that is said, and so is that the picture will
+/// be black.
+#[test]
+fn a_lamp_without_area_is_told() {
+    let files = Memory(&[("line.obj", b"v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n")]);
+    let scene = b"screen 4 3\ncamera 0 0 9 1\nlight 1 1 1\nmesh line.obj 0 0 0 1\n\
+                  brdf .5 .5 .5 0 0 0 10\nsphere 0 0 0 1\n";
+    let (builder, report) = read::read_scn(scene, "s.scn".as_ref(), &files).unwrap();
+    assert!(!builder.is_lit());
+    let told = warnings(&report);
+    assert!(
+        told.iter().any(|w| w.starts_with("s.scn:4:") && w.contains("without area")),
+        "{told:?}"
+    );
+    assert!(told.iter().any(|w| w.contains("nothing emits light")), "{told:?}");
+}
+
+/// Numbers that single precision does not have: read in double, scaled before they are rounded.
+#[test]
+fn tiny_and_huge_shapes_keep_their_form() {
+    for (radius, apart) in [("1e-46", "3e-46"), ("1e-300", "3e-300"), ("1e17", "3e17")] {
+        let text = format!("light 1 1 1\nsphere 0 0 0 {radius}\nsphere {apart} 0 0 {radius}\n");
+        let files = Memory(&[]);
+        let (builder, _) = read::read_scn(text.as_bytes(), "s.scn".as_ref(), &files).unwrap();
+        let scene = builder.build();
+        let [a, b] = scene.geometry().spheres[..] else { panic!("two spheres") };
+        let (r, d) = (a.radius, (b.centre - a.centre).length());
+        assert!((d / r - 3.0).abs() < 1e-6 && (0.1..1.0).contains(&r), "{radius}: {r} {d}");
+    }
+}

@@ -122,3 +122,33 @@ fn without_a_scene_every_key_is_harmless() {
     desk.harness.run_steps(3);
     assert!(desk.app().document.is_none());
 }
+
+/// Closed while it reads, while it renders and while it saves: the window goes, and every file that
+/// has its final name is whole.
+#[test]
+fn closing_at_any_moment_leaves_whole_files_or_none() {
+    drop(Desk::reading(SCENE));
+    drop(Desk::new());
+    for _ in 0..5 {
+        let mut desk = Desk::done(1);
+        desk.key(Key::S);
+        let folder = desk.folder.path().join("out");
+        let Desk { harness, card, folder: kept } = desk;
+        drop((harness, card));
+        // The thread that writes goes on without a window.
+        for _ in 0..50 {
+            for file in std::fs::read_dir(&folder).unwrap() {
+                let path = file.unwrap().path();
+                match path.extension().and_then(|e| e.to_str()) {
+                    Some("exr") => assert_eq!(read_exr(&path).unwrap().width, 64),
+                    Some("png") => {
+                        assert!(std::fs::read(&path).unwrap().ends_with(b"IEND\xaeB`\x82"))
+                    }
+                    _ => {}
+                }
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        drop(kept);
+    }
+}
