@@ -26,8 +26,7 @@ fn a_disk_that_is_full_costs_neither_the_old_file_nor_a_word() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);
         fs::write(&path, "precious").unwrap();
-        let args =
-            ["render", "-o", path.to_str().unwrap(), "--size", "200x150", "--passes", "1"];
+        let args = ["render", "-o", path.to_str().unwrap(), "--size", "200x150", "--passes", "1"];
         let told = refused(&limited("trap '' XFSZ; ulimit -f 4", &args));
         assert!(told.contains(name) && told.contains("untouched"), "{told}");
         assert_eq!(fs::read_to_string(&path).unwrap(), "precious");
