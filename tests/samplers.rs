@@ -306,8 +306,8 @@ impl ModelVisitor for Albedo {
     }
 }
 
-/// Every row of the table, for a lobe alone and for every fourth also with a diffuse one, both
-/// in three channels that differ: the one that is sampled least may not suffer.
+/// Every row of the table, for a lobe alone and for every fifteenth also with a diffuse one,
+/// both in three channels that differ: the one that is sampled least may not suffer.
 #[test]
 fn albedos_by_sampling_are_those_of_the_table() {
     let (mut checks, mut worst) = (0, 0.0f64);
@@ -322,7 +322,7 @@ fn albedos_by_sampling_are_those_of_the_table() {
         };
         let alone = ([0.0; 3], [1.0, 0.5, 0.04]);
         let mixed = ([0.2, 0.0, 0.7], [0.04, 0.9, 0.3]);
-        for (kd, ks) in if row % 4 == 0 { vec![alone, mixed] } else { vec![alone] } {
+        for (kd, ks) in if row % 15 == 0 { vec![alone, mixed] } else { vec![alone] } {
             let rgb = |c: [f32; 3]| Rgb::new(c[0], c[1], c[2]);
             let lobes = Lobes { kd: rgb(kd), ks: rgb(ks), width: roughness.into() };
             let means = |strata| {
@@ -330,9 +330,9 @@ fn albedos_by_sampling_are_those_of_the_table() {
                 model.visit(Albedo { lobes, wo, strata, seed: 100 + row as u64 })
             };
             // Phong's normals are drawn whoever looks, which costs noise.
-            let noisy = |found: &[Mean; 3]| found.iter().any(|m| m.standard_error() > 1.8e-4);
+            let noisy = |found: &[Mean; 3]| found.iter().any(|m| m.standard_error() > 2.2e-4);
             let mut found = means(32);
-            for strata in [56, 96, 160] {
+            for strata in [64, 160] {
                 if noisy(&found) {
                     found = means(strata);
                 }
@@ -352,7 +352,7 @@ fn albedos_by_sampling_are_those_of_the_table() {
             }
         }
     }
-    assert!(checks > 2600 && worst > 0.0, "{checks} {worst}");
+    assert!(checks > 2200 && worst > 0.0, "{checks} {worst}");
 }
 
 #[test]
