@@ -88,20 +88,23 @@ pub(super) fn intersect<W: Wide>(pack: &Pack, ray: &Sheared, t_max: f32) -> Opti
         return None;
     }
     let inverse = W::splat(1.0) / det;
-    let mut t = (u * az + v * bz + w * cz) * W::splat(ray.s[2]) * inverse;
-    let near = inside & t.gt(zero) & t.le(W::splat(NEAR * ray.s[2].abs()));
+    let t = (u * az + v * bz + w * cz) * W::splat(ray.s[2]) * inverse;
+    let ahead = inside & t.gt(zero);
+    let near = ahead & t.le(W::splat(NEAR * ray.s[2].abs()));
     if near.any() {
-        t = decide_distances::<W>(near.bits(), pack, ray, t.store());
+        let hits = hits(ahead, t, [v, w], inverse);
+        return decide_distances(near.bits(), pack, ray, t_max, hits);
     }
-    let hit = inside & t.gt(zero) & t.le(W::splat(t_max));
+    let hit = ahead & t.le(W::splat(t_max));
     if !hit.any() {
         return None;
     }
-    Some(PackHits {
-        mask: hit.bits(),
-        t: t.store(),
-        b: [(v * inverse).store(), (w * inverse).store()],
-    })
+    Some(hits(hit, t, [v, w], inverse))
+}
+
+#[inline(always)]
+fn hits<W: Wide>(mask: W::Mask, t: W, [v, w]: [W; 2], inverse: W) -> PackHits {
+    PackHits { mask: mask.bits(), t: t.store(), b: [(v * inverse).store(), (w * inverse).store()] }
 }
 
 /// Eight vertices in the ray's frame. (A function, not a closure: closures cannot be made to inline,
@@ -141,11 +144,17 @@ fn decide_edges<W: Wide>(
     (W::load(&uvw[0]), W::load(&uvw[1]), W::load(&uvw[2]))
 }
 
-/// The distances again in f64 for these lanes. Of a slender triangle the weights are differences of
-/// nearly equal products, and a ray that leaves it could meet it again.
+/// The distances again in f64 for these lanes, and which are hits then. Of a slender triangle the
+/// weights are differences of nearly equal products, and a ray that leaves it could meet it again.
 #[cold]
 #[inline(never)]
-fn decide_distances<W: Wide>(lanes: u32, pack: &Pack, ray: &Sheared, mut t: [f32; 8]) -> W {
+fn decide_distances(
+    lanes: u32,
+    pack: &Pack,
+    ray: &Sheared,
+    t_max: f32,
+    mut hits: PackHits,
+) -> Option<PackHits> {
     let [kx, ky, kz] = ray.k;
     let [ox, oy, oz] = ray.o.map(f64::from);
     let [sx, sy, sz] = ray.s.map(f64::from);
@@ -159,10 +168,12 @@ fn decide_distances<W: Wide>(lanes: u32, pack: &Pack, ray: &Sheared, mut t: [f32
         let (u, v, w) = (cross(c, b), cross(a, c), cross(b, a));
         let distance = (u * a[2] + v * b[2] + w * c[2]) / (u + v + w) * sz;
         if distance.is_finite() {
-            t[i] = distance as f32;
+            hits.t[i] = distance as f32;
         }
     }
-    W::load(&t)
+    let is_hit = |i: &usize| hits.mask >> i & 1 != 0 && hits.t[*i] > 0.0 && hits.t[*i] <= t_max;
+    hits.mask = (0..8).filter(is_hit).fold(0, |mask, i| mask | 1 << i);
+    (hits.mask != 0).then_some(hits)
 }
 
 /// The surface at barycentric weights `b` of the second and third vertex.

@@ -1,11 +1,12 @@
 //! Pictures: the tone curve, files in and out.
 
 mod atomic;
+mod dither;
 mod files;
 mod tone;
 
 pub use atomic::{SaveError, Sink, check_writable, replace_file};
-pub use files::{Format, ReadError, read_exr, write};
+pub use files::{Format, ReadError, read_exr, read_recipe, write, write_with_recipe};
 pub use tone::{Curve, NAN_COLOUR, Tone};
 
 /// Radiance of every pixel, linear Rec. 709, rows from the top.

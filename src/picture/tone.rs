@@ -7,6 +7,7 @@
 //! thresholds. Those are found once, by bisection, from the exact formula; whole tiles then need
 //! no `powf`, and get the very codes that the formula gives.
 
+use super::{Picture, dither};
 use std::sync::LazyLock;
 
 /// How radiance beyond what a screen can show is brought into 0..=1, each channel on its own.
@@ -131,6 +132,26 @@ impl Tone {
         self.map(pixels, out, |rgb| rgb);
     }
 
+    /// The codes of a whole picture for a file, rounded up or down so that the mean over some
+    /// pixels is that of the exact values, where plain rounding would show bands. What lies on a
+    /// code, black and white among it, keeps it.
+    ///
+    /// The window rounds plainly instead: it maps every tile thirty times a second, by a table that
+    /// knows codes alone, and a picture that has noise in it is dithered by that.
+    pub fn dithered(self, picture: &Picture) -> Vec<[u8; 3]> {
+        let gain = self.gain();
+        let width = picture.width.max(1) as usize;
+        let code = |i: usize, pixel: &[f32; 3]| {
+            if pixel.iter().any(|c| c.is_nan()) {
+                return NAN_COLOUR;
+            }
+            // The same for all channels: a grey stays grey.
+            let up = dither::threshold(i % width, i / width);
+            pixel.map(|c| (signal(self.curve, c * gain) + up) as u8)
+        };
+        picture.pixels.iter().enumerate().map(|(i, pixel)| code(i, pixel)).collect()
+    }
+
     /// Red, green, blue, and an alpha of 255.
     pub fn rgba8(self, pixels: &[[f32; 3]], out: &mut [[u8; 4]]) {
         self.map(pixels, out, |[r, g, b]| [r, g, b, 255]);
@@ -140,13 +161,18 @@ impl Tone {
 /// Beyond this every curve shows 255; it keeps the formulas away from infinity.
 const BRIGHTEST: f64 = 1e9;
 
-/// The formula, in double precision so that it rises without a wobble between any two floats.
-/// `exposed` is not NaN.
+/// The code nearest to the formula.
 fn code(curve: Curve, exposed: f32) -> u8 {
+    (signal(curve, exposed) + 0.5) as u8
+}
+
+/// The formula, in 0..=255, in double precision so that it rises without a wobble between any two
+/// floats. `exposed` is not NaN.
+fn signal(curve: Curve, exposed: f32) -> f64 {
     let light = curve.apply(f64::from(exposed).clamp(0.0, BRIGHTEST));
     let signal =
         if light <= 0.0031308 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 };
-    (255.0 * signal + 0.5) as u8
+    255.0 * signal
 }
 
 /// Codes by look-up. A cell is 1/256 of an octave, narrower than any code is, so the code of its

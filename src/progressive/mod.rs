@@ -2,6 +2,7 @@
 
 mod outlet;
 mod params;
+mod recipe;
 mod session;
 mod snapshot;
 mod stop;
@@ -10,6 +11,9 @@ mod work;
 pub use crate::film::{ErrorEstimate, Figure, Interval};
 pub use crate::trace::Strategy;
 pub use params::{Params, ParamsError};
+pub use recipe::{
+    ErrorRecipe, FileRecipe, MaterialRecipe, Recipe, RecipeError, SceneRecipe, ToneRecipe,
+};
 pub use session::{Options, Session, render};
 pub use snapshot::{Counts, Snapshot, State, TILE, TileGrid, TileImage, TileRect};
 pub use stop::StopRule;

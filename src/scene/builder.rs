@@ -1,6 +1,6 @@
 //! From what a reader found, in world units and f64, to a validated [`Scene`] in f32.
 
-use super::{Camera, Light, Material, MaterialId, Placement, Scene, SceneCounts};
+use super::{Camera, Light, Material, MaterialId, Placement, Scene, SceneCounts, Source};
 use crate::geometry::{Bvh, Cylinder, Geometry, PrimitiveRange, Sphere};
 use crate::math::V3;
 use glam::{DAffine3, DVec3};
@@ -84,6 +84,8 @@ const MAX_TRIANGLES: usize = 1 << 30;
 pub struct SceneBuilder {
     /// Shown in the window's title and status line.
     pub name: String,
+    /// The files that it comes from; filled by the readers.
+    pub source: Source,
     /// Width and height in pixels that the file asks for.
     pub screen: [u32; 2],
     /// The file's camera; `None` frames the whole scene.
@@ -105,6 +107,7 @@ impl SceneBuilder {
     pub fn new(name: impl Into<String>) -> SceneBuilder {
         SceneBuilder {
             name: name.into(),
+            source: Source::default(),
             screen: [640, 480],
             camera: None,
             environment: [0.0; 3],
@@ -334,6 +337,7 @@ impl SceneBuilder {
         let aspect = self.screen[0] as f64 / self.screen[1].max(1) as f64;
         Scene {
             name: self.name,
+            source: self.source,
             screen: self.screen,
             camera: self.camera.unwrap_or_else(|| Camera::framing(low, high, aspect)),
             environment: self.environment,

@@ -12,12 +12,15 @@ mod material;
 mod rays;
 pub mod read;
 mod report;
+mod source;
+pub mod write;
 
 pub use builder::{MAX_COORDINATE, Mesh, MeshCounts, SceneBuilder, ShapeError};
 pub use camera::{Camera, CameraError};
 pub use material::{Material, MaterialError, MaterialId};
 pub use rays::CameraRays;
 pub use report::{Place, Report, Warning};
+pub use source::{Source, SourceFile};
 
 use crate::geometry::{Bvh, Geometry, PrimitiveRange};
 use glam::DVec3;
@@ -26,6 +29,7 @@ use glam::DVec3;
 #[derive(Debug)]
 pub struct Scene {
     name: String,
+    source: Source,
     screen: [u32; 2],
     camera: Camera,
     environment: [f32; 3],
@@ -64,6 +68,10 @@ impl Scene {
     /// Name of the file or built-in scene.
     pub fn name(&self) -> &str {
         &self.name
+    }
+    /// The files that it was read from.
+    pub fn source(&self) -> &Source {
+        &self.source
     }
     /// Width and height in pixels that the file asks for.
     pub fn screen(&self) -> [u32; 2] {

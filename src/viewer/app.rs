@@ -20,7 +20,7 @@ use super::save::{Job, Saving, stem};
 use super::status::{Facts, Status};
 use super::view::View;
 use super::{theme, widgets};
-use burnish::progressive::{Params, State};
+use burnish::progressive::{Params, Recipe, State};
 use egui::{
     Align2, Area, CentralPanel, Context, Frame, Id, Margin, Order, Panel, ScrollArea, Ui,
     ViewportCommand, vec2,
@@ -298,15 +298,21 @@ impl App {
     }
 
     fn save(&mut self, ctx: &Context) {
-        let snapshot = self.render.as_ref().and_then(|r| r.newest.clone());
-        let (Some(document), Some(snapshot)) = (&self.document, snapshot) else { return };
+        let (Some(document), Some(render)) = (&self.document, &self.render) else { return };
+        let Some(snapshot) = render.newest.clone() else { return };
         if self.saving.is_some() {
             self.notice = Some(Notice::news("The snapshot before is still being written"));
             return;
         }
         let params = &document.params;
-        let job =
-            Job { snapshot, tone: document.tone, folder: self.folder.clone(), stem: stem(params) };
+        let current = snapshot.epoch >= render.epoch;
+        let job = Job {
+            recipe: current.then(|| Recipe::new(render.told(), &snapshot)),
+            snapshot,
+            tone: document.tone,
+            folder: self.folder.clone(),
+            stem: stem(params),
+        };
         match Saving::start(ctx, job) {
             Ok(saving) => self.saving = Some(saving),
             Err(why) => self.notice = Some(Notice::error(why)),

@@ -1,7 +1,7 @@
 //! Writing what is shown to files, in the background.
 
 use burnish::picture::{Tone, write};
-use burnish::progressive::{Params, Snapshot};
+use burnish::progressive::{Params, Recipe, Snapshot};
 use egui::Context;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -14,6 +14,8 @@ pub(super) struct Saving {
 /// What to write and where.
 pub(super) struct Job {
     pub(super) snapshot: Snapshot,
+    /// How to make it again; none for a picture that is older than the last change.
+    pub(super) recipe: Option<Recipe>,
     pub(super) tone: Tone,
     pub(super) folder: PathBuf,
     /// The name before the number, such as "table_ggx".
@@ -55,7 +57,11 @@ impl Job {
             .ok_or_else(|| format!("no snapshot: {} is full of them", self.folder.display()))?;
         let picture = self.snapshot.mean();
         for path in [&png, &exr] {
-            write(path, &picture, self.tone).map_err(|e| format!("no snapshot: {e}"))?;
+            match &self.recipe {
+                Some(recipe) => recipe.save(path, &picture, self.tone),
+                None => write(path, &picture, self.tone),
+            }
+            .map_err(|e| format!("no snapshot: {e}"))?;
         }
         let plural = if self.snapshot.passes == 1 { "pass" } else { "passes" };
         Ok(format!("Wrote {} and .exr ({} {plural})", png.display(), self.snapshot.passes))

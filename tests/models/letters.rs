@@ -89,7 +89,7 @@ fn extruded(outline: &[Flat], parts: &[&[usize]]) -> Model {
         for part in parts {
             let corner =
                 |&i: &usize| model.vertex_with_normal(place(i, ROUND, y), [0.0, facing, 0.0]);
-            let mut face: Vec<u16> = part.iter().map(corner).collect();
+            let mut face: Vec<u32> = part.iter().map(corner).collect();
             if facing > 0.0 {
                 face.reverse();
             }
@@ -99,7 +99,7 @@ fn extruded(outline: &[Flat], parts: &[&[usize]]) -> Model {
     // Each edge has its own vertices, so that corners stay sharp.
     for i in 0..count {
         let n = outward(i);
-        let rows: Vec<[u16; 2]> = profile()
+        let rows: Vec<[u32; 2]> = profile()
             .iter()
             .map(|&(inset, y, [out, along])| {
                 let normal = [n[0] * out, along, n[1] * out];

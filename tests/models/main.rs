@@ -1,20 +1,23 @@
-//! The models beside the default scene are made by the programs in this folder.
+//! The models beside the scenes, and the scene of many lights, are made by the programs in this folder.
 //!
 //! The test compares them with the files byte for byte, so neither can change without the other.
 //! To write the files anew: `BURNISH_WRITE_ASSETS=1 cargo test --release --test models`.
 
 mod arithmetic;
+mod lanterns;
 mod letters;
 mod model;
 mod shell;
+mod urchin;
 
 use model::Model;
 use std::path::PathBuf;
 
-fn models() -> [(&'static str, Model); 3] {
+fn models() -> [(&'static str, Model); 4] {
     [
         ("letter-x.ply", letters::x()),
         ("letter-y.ply", letters::y()),
+        ("urchin.ply", urchin::urchin()),
         ("wentletrap.ply", shell::wentletrap()),
     ]
 }
@@ -26,8 +29,9 @@ fn asset(name: &str) -> PathBuf {
 #[test]
 fn files_are_what_their_programs_make() {
     let write = std::env::var_os("BURNISH_WRITE_ASSETS").is_some_and(|v| v == "1");
-    for (name, model) in models() {
-        let made = model.ply(name);
+    let mut files = models().map(|(name, model)| (name, model.ply(name))).to_vec();
+    files.push(("lights.scn", lanterns::lights().into_bytes()));
+    for (name, made) in files {
         if write {
             std::fs::write(asset(name), &made).unwrap();
         }
@@ -62,7 +66,13 @@ fn letters_normals_agree_with_their_faces() {
 #[test]
 fn the_shell_is_detailed_and_its_points_are_distinct() {
     let shell = shell::wentletrap();
-    let triangles: usize = shell.faces.iter().map(|f| f.len() - 2).sum();
-    assert!((20_000..=60_000).contains(&triangles), "{triangles} triangles");
+    assert!((20_000..=60_000).contains(&shell.count()), "{} triangles", shell.count());
     assert_eq!(shell.flat_faces(), 0, "faces without area");
+}
+
+#[test]
+fn the_urchin_is_a_large_model() {
+    let urchin = urchin::urchin();
+    assert!((200_000..=250_000).contains(&urchin.count()), "{} triangles", urchin.count());
+    assert_eq!(urchin.flat_faces(), 0, "faces without area");
 }

@@ -11,18 +11,18 @@ pub(crate) struct Model {
     /// One a vertex, or none at all.
     pub(crate) normals: Vec<Point>,
     /// Convex polygons.
-    pub(crate) faces: Vec<Vec<u16>>,
+    pub(crate) faces: Vec<Vec<u32>>,
 }
 
 impl Model {
     /// Adds a vertex without a normal.
-    pub(crate) fn vertex(&mut self, p: Point) -> u16 {
+    pub(crate) fn vertex(&mut self, p: Point) -> u32 {
         self.positions.push(p);
-        u16::try_from(self.positions.len() - 1).unwrap()
+        u32::try_from(self.positions.len() - 1).unwrap()
     }
 
     /// Adds a vertex with a normal.
-    pub(crate) fn vertex_with_normal(&mut self, p: Point, n: Point) -> u16 {
+    pub(crate) fn vertex_with_normal(&mut self, p: Point, n: Point) -> u32 {
         self.normals.push(n);
         self.vertex(p)
     }
@@ -42,7 +42,10 @@ impl Model {
             header += &properties(&["nx", "ny", "nz"]);
         }
         header += &format!("element face {}\n", self.faces.len());
-        header += "property list uchar ushort vertex_indices\nend_header\n";
+        // Sixteen bits an index where they suffice.
+        let short = self.positions.len() <= 1 << 16;
+        let index = if short { "ushort" } else { "uint" };
+        header += &format!("property list uchar {index} vertex_indices\nend_header\n");
         let mut bytes = header.into_bytes();
         for (i, p) in self.positions.iter().enumerate() {
             for x in p.iter().chain(self.normals.get(i).into_iter().flatten()) {
@@ -51,7 +54,9 @@ impl Model {
         }
         for face in &self.faces {
             bytes.push(u8::try_from(face.len()).unwrap());
-            bytes.extend(face.iter().flat_map(|i| i.to_le_bytes()));
+            for i in face {
+                bytes.extend(&i.to_le_bytes()[..if short { 2 } else { 4 }]);
+            }
         }
         bytes
     }
@@ -59,14 +64,14 @@ impl Model {
     /// The polygons as fans of triangles.
     fn triangles(&self) -> impl Iterator<Item = [Point; 3]> {
         self.faces.iter().flat_map(|face| {
-            let p = |i: usize| self.positions[usize::from(face[i])];
+            let p = |i: usize| self.positions[face[i] as usize];
             (2..face.len()).map(move |i| [p(0), p(i - 1), p(i)])
         })
     }
 
     /// Edges, by place, that are not run once each way: 0 for a closed surface.
     pub(crate) fn open_edges(&self) -> usize {
-        let key = |i: u16| self.positions[usize::from(i)].map(|x| (x as f32).to_bits());
+        let key = |i: u32| self.positions[i as usize].map(|x| (x as f32).to_bits());
         let mut balance = HashMap::new();
         for face in &self.faces {
             for (i, &a) in face.iter().enumerate() {
@@ -75,6 +80,11 @@ impl Model {
             }
         }
         balance.values().filter(|&&b| b != 0).count()
+    }
+
+    /// How many triangles the polygons make.
+    pub(crate) fn count(&self) -> usize {
+        self.faces.iter().map(|face| face.len() - 2).sum()
     }
 
     /// Enclosed volume; negative when the faces look inwards.
@@ -94,10 +104,10 @@ impl Model {
 
     /// Smallest cosine between a vertex' normal and the normal of a face that uses it.
     pub(crate) fn least_agreement(&self) -> f64 {
-        let agreement = |face: &Vec<u16>| {
-            let p = |i: usize| self.positions[usize::from(face[i])];
+        let agreement = |face: &Vec<u32>| {
+            let p = |i: usize| self.positions[face[i] as usize];
             let n = unit(cross(minus(p(1), p(0)), minus(p(2), p(0))));
-            let cosines = face.iter().map(|&i| dot(n, self.normals[usize::from(i)]));
+            let cosines = face.iter().map(|&i| dot(n, self.normals[i as usize]));
             cosines.fold(f64::INFINITY, f64::min)
         };
         self.faces.iter().map(agreement).fold(f64::INFINITY, f64::min)

@@ -37,7 +37,7 @@ pub(crate) fn wentletrap() -> Model {
     let mut model = Model::default();
     let rings = rings();
     let first = model.vertex(axis_of_tube(rings[0].u));
-    let rows: Vec<Vec<u16>> = rings
+    let rows: Vec<Vec<u32>> = rings
         .iter()
         .map(|ring| (0..AROUND).map(|j| model.vertex(point(ring, j))).collect())
         .collect();

@@ -2,10 +2,9 @@
 
 use super::roughness;
 use crate::cli::{Failure, values};
-use burnish::brdf::{Lobes, Microfacet, Model, ModelVisitor};
-use burnish::math::lanes::U32;
-use burnish::math::sequence::{Slot, Stream, pair};
+use burnish::brdf::{Formulas, Lobes, Model, Normals};
 use burnish::math::{Rgb, V3};
+use burnish::measure::check::{BATCHES, sampled_albedo};
 use std::io::Write;
 
 /// What to estimate, and how well.
@@ -34,8 +33,6 @@ const EXPONENTS: [f64; 12] = [0.0, 1.0, 2.0, 5.0, 10.0, 30.0, 100.0, 300.0, 1e3,
 const ALPHAS: [f64; 12] = [1e-4, 1e-3, 0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.7, 1.0];
 const COSINES: [f64; 14] =
     [1.0, 0.95, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01];
-/// Independent randomisations of the sample stream; their spread is the standard error.
-const BATCHES: u32 = 16;
 
 /// Prints a row for every model, roughness and angle of the grid.
 pub(super) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
@@ -43,21 +40,18 @@ pub(super) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let per_batch = args.samples.div_ceil(BATCHES.into());
     let mut row = 0;
     for model in Model::ALL {
+        let formulas = Formulas::of(model, Normals::Visible, None);
         for param in if model == Model::Phong { EXPONENTS } else { ALPHAS } {
             let roughness = roughness(model, param).map_err(Failure::new)?;
             for cos in COSINES {
-                let question = Question {
-                    lobes: Lobes {
-                        kd: Rgb::splat(args.kd),
-                        ks: Rgb::splat(args.ks),
-                        width: roughness.into(),
-                    },
-                    wo: V3::new((1.0 - cos * cos).sqrt() as f32, 0.0, cos as f32),
-                    seed: args.seed,
-                    row,
-                    per_batch,
+                let lobes = Lobes {
+                    kd: Rgb::splat(args.kd),
+                    ks: Rgb::splat(args.ks),
+                    width: roughness.into(),
                 };
-                let (mean, error) = mean_and_error(model.visit(question));
+                let wo = V3::new((1.0 - cos * cos).sqrt() as f32, 0.0, cos as f32);
+                let batches = sampled_albedo(&formulas, &lobes, wo, args.seed, row, per_batch);
+                let (mean, error) = mean_and_error(batches);
                 let (name, alpha) = (model.name(), roughness.alpha());
                 let samples = per_batch * u64::from(BATCHES);
                 let (kd, ks) = (args.kd, args.ks);
@@ -67,36 +61,6 @@ pub(super) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
         }
     }
     Ok(())
-}
-
-/// One row.
-struct Question {
-    lobes: Lobes,
-    wo: V3,
-    seed: u64,
-    /// Gives every row random numbers of its own.
-    row: u32,
-    per_batch: u64,
-}
-
-impl ModelVisitor for Question {
-    type Output = [f64; BATCHES as usize];
-    /// The mean of f cos / pdf in each batch.
-    fn visit<M: Microfacet>(self) -> Self::Output {
-        std::array::from_fn(|batch| {
-            let mut sum = 0.0;
-            for pass in 0..self.per_batch {
-                let stream = Stream::new(self.seed, U32(batch as u32), U32(self.row), pass);
-                let [choice, _] = pair::<f32>(&stream, Slot::choice(0));
-                let u = pair::<f32>(&stream, Slot::direction(0));
-                let s = self.lobes.sample::<M>(self.wo, choice, u);
-                if s.pdf > 0.0 {
-                    sum += f64::from(s.f.r) * f64::from(s.wi.z) / f64::from(s.pdf);
-                }
-            }
-            sum / self.per_batch as f64
-        })
-    }
 }
 
 fn mean_and_error(batches: [f64; BATCHES as usize]) -> (f64, f64) {

@@ -65,7 +65,8 @@ impl Reference {
         let h = [wo[0] + wi[0], wo[1] + wi[1], wo[2] + wi[2]];
         let across = h[0] * h[0] + h[1] * h[1];
         let length = (across + h[2] * h[2]).sqrt();
-        let d = ((h[0] * wi[0] + h[1] * wi[1] + h[2] * wi[2]) / length).clamp(0.0, 1.0);
+        // wi.m of unit vectors: half the length of their sum.
+        let d = (length / 2.0).min(1.0);
         let fresnel = ks + (1.0 - ks) * (1.0 - d).powi(5);
         let g = |w: [f64; 3]| self.g1(w[2], w[0].hypot(w[1]));
         let lobe = self.d(across / (h[2] * h[2])) * g(wi) * g(wo) / (4.0 * wi[2] * wo[2]);

@@ -136,10 +136,10 @@ impl Work {
             ..Params::new(scene)
         };
         let params = params.with_roughness(subject.roughness);
-        let passes = if self.full { 2048 } else { 256 };
+        let passes = if self.full { 1024 } else { 256 };
         let snapshot = render(params, passes, self.threads)?;
         let pixels = snapshot.mean().pixels;
-        let strange = pixels.iter().flatten().filter(|c| !(**c >= 0.0)).count() as u64;
+        let strange = pixels.iter().flatten().filter(|c| c.is_nan() || **c < 0.0).count() as u64;
         self.strange += snapshot.counts.nonfinite + strange;
         Ok(Mean::of(pixels.iter().map(|p| f64::from(p[1]))))
     }

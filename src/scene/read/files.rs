@@ -1,6 +1,9 @@
 //! Where the files that a file refers to come from: the disk, or memory.
 
+use crate::scene::{Source, SourceFile, builtin};
+use sha2::{Digest, Sha256};
 use std::borrow::Cow;
+use std::cell::RefCell;
 use std::fs;
 use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -12,7 +15,8 @@ pub trait Files {
     fn find(&self, name: &str) -> Result<(PathBuf, Cow<'_, [u8]>), Error>;
 }
 
-/// Files on disk: beside the file that names them, else in the working directory.
+/// Files on disk: beside the file that names them, else in the working directory. A model that is
+/// in neither may be one of the shipped scenes', so that an edited copy of those can be anywhere.
 #[derive(Clone, Debug)]
 pub struct Disk {
     folder: PathBuf,
@@ -29,6 +33,9 @@ impl Files for Disk {
     fn find(&self, name: &str) -> Result<(PathBuf, Cow<'_, [u8]>), Error> {
         let candidates = [self.folder.join(name), PathBuf::from(name)];
         let Some(path) = candidates.into_iter().find(|path| path.exists()) else {
+            if let Some(bytes) = builtin::model(name) {
+                return Ok((PathBuf::from(name), Cow::Borrowed(bytes)));
+            }
             let text = "it is neither beside this file nor in the working directory";
             return Err(Error::new(ErrorKind::NotFound, text));
         };
@@ -50,6 +57,42 @@ impl Files for Memory<'_> {
             None => Err(Error::new(ErrorKind::NotFound, "there is no such file")),
         }
     }
+}
+
+/// Remembers what was read, for [`Source::files`].
+pub(super) struct Recorder<'a> {
+    files: &'a dyn Files,
+    seen: RefCell<Vec<SourceFile>>,
+}
+
+impl<'a> Recorder<'a> {
+    /// Begins with a scene's own file.
+    pub(super) fn new(own: &Path, bytes: &[u8], files: &'a dyn Files) -> Recorder<'a> {
+        let name = own.file_name().unwrap_or(own.as_os_str()).to_string_lossy();
+        let own = record(&name, own.to_owned(), bytes);
+        Recorder { files, seen: RefCell::new(vec![own]) }
+    }
+
+    pub(super) fn finish(self) -> Source {
+        Source { files: self.seen.into_inner(), ..Source::default() }
+    }
+}
+
+impl Files for Recorder<'_> {
+    fn find(&self, name: &str) -> Result<(PathBuf, Cow<'_, [u8]>), Error> {
+        let (path, bytes) = self.files.find(name)?;
+        let mut seen = self.seen.borrow_mut();
+        if !seen.iter().skip(1).any(|file| file.name == name) {
+            seen.push(record(name, path.clone(), &bytes));
+        }
+        Ok((path, bytes))
+    }
+}
+
+fn record(name: &str, path: PathBuf, bytes: &[u8]) -> SourceFile {
+    let digest = Sha256::digest(bytes);
+    let sha256 = digest.iter().map(|byte| format!("{byte:02x}")).collect();
+    SourceFile { name: name.to_owned(), path, bytes: bytes.len() as u64, sha256 }
 }
 
 /// A gigabyte of text is about thirty million triangles; more would not fit into memory as a scene.

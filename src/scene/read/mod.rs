@@ -29,13 +29,14 @@ mod log;
 mod obj;
 mod ply;
 mod scn;
-mod text;
+pub(super) mod text;
 
 pub use files::{Disk, Files, Memory};
 pub use log::ReadError;
 pub use scn::{parse_camera, read_scn};
 
 use super::{Material, Mesh, MeshCounts, Report, SceneBuilder};
+use files::Recorder;
 use glam::DAffine3;
 use log::Log;
 use std::path::Path;
@@ -112,7 +113,9 @@ fn read_obj(
     let mut log = Log::new(name);
     let mut builder = SceneBuilder::new(title(name));
     let model = obj::read(bytes, &mut log)?;
-    let parts = obj::materials(&model, files, &mut builder, &mut log)?;
+    let record = Recorder::new(name, bytes, files);
+    let parts = obj::materials(&model, &record, &mut builder, &mut log)?;
+    builder.source = record.finish();
     let counts = builder
         .mesh_parts(&model.mesh, DAffine3::IDENTITY, &parts)
         .map_err(|e| log.error(None, e.to_string()))?;
@@ -123,6 +126,7 @@ fn read_ply(bytes: &[u8], name: &Path) -> Result<(SceneBuilder, Report), ReadErr
     let mut log = Log::new(name);
     let mut builder = SceneBuilder::new(title(name));
     let mesh = ply::read(bytes, &mut log)?;
+    builder.source = Recorder::new(name, bytes, &Memory(&[])).finish();
     log.note(format!("a PLY file has no material: {GREY_IS}"));
     let grey = builder.material(grey(&log)?);
     let counts = builder

@@ -2,12 +2,12 @@
 
 mod args;
 
-use super::files::Files;
+use super::files::{Files, Recorder};
 use super::log::{Log, ReadError};
 use super::{Format, left_out, model, text, title};
 use crate::scene::{
     Camera, MAX_COORDINATE, Material, MaterialError, MaterialId, Mesh, Report, SceneBuilder,
-    ShapeError,
+    ShapeError, Source,
 };
 use args::{Args, Problem};
 use glam::{DAffine3, DVec3};
@@ -26,22 +26,27 @@ pub fn read_scn(
 ) -> Result<(SceneBuilder, Report), ReadError> {
     let log = Log::new(name);
     let text = text::decode(bytes, &log)?;
+    let record = Recorder::new(name, bytes, files);
     let mut reader = Reader {
         builder: SceneBuilder::new(title(name)),
         log,
-        files,
+        files: &record,
         line: 0,
         current: Current::default_material()
             .map_err(|e| ReadError::whole_file(name, e.to_string()))?,
         models: HashMap::new(),
         comment: (0, String::new()),
         last: HashMap::new(),
+        lines: Vec::new(),
     };
     for (number, line) in text::lines(&text) {
         reader.line = number;
         reader.line(line)?;
     }
-    reader.finish()
+    let lines = std::mem::take(&mut reader.lines);
+    let (mut builder, report) = reader.finish()?;
+    builder.source = Source { text: Some(text.into_owned()), lines, ..record.finish() };
+    Ok((builder, report))
 }
 
 const CAMERA: &str = "x y z ry ORIENT";
@@ -80,11 +85,15 @@ struct Reader<'a> {
     comment: (usize, String),
     /// The line of each command's last occurrence.
     last: HashMap<&'static str, usize>,
+    /// The line of each material in the scene.
+    lines: Vec<Option<usize>>,
 }
 
 /// The material of the shapes that follow.
 struct Current {
     material: Material,
+    /// Where it is given; `None` for the default.
+    line: Option<usize>,
     /// Its number, once a shape uses it: what no shape uses stays out of the scene.
     id: Option<MaterialId>,
     /// What to say when a shape uses it, and the line that is to blame if it is not the shape's.
@@ -92,8 +101,8 @@ struct Current {
 }
 
 impl Current {
-    fn new(material: Material) -> Current {
-        Current { material, id: None, warning: None }
+    fn new(material: Material, line: usize) -> Current {
+        Current { material, line: Some(line), id: None, warning: None }
     }
 
     /// The material before any `brdf`.
@@ -101,7 +110,8 @@ impl Current {
         let material = Material::reflecting("default", [1.0, 0.5, 0.0], [1.0; 3], 1.0)?;
         let text = "no `brdf` or `light` comes before this shape: Kd 1 0.5 0, Ks 1 1 1, a_p 1 is \
                     used";
-        Ok(Current { warning: Some((None, text.to_owned())), ..Current::new(material) })
+        let warning = Some((None, text.to_owned()));
+        Ok(Current { material, line: None, id: None, warning })
     }
 }
 
@@ -187,7 +197,7 @@ impl<'a> Reader<'a> {
     fn brdf(&mut self, args: &mut Args) -> Result<(), Problem> {
         let (kd, ks, [exponent]) = (args.numbers()?, args.numbers()?, args.numbers()?);
         let name = self.material_name("brdf");
-        self.current = Current::new(Material::reflecting(name, kd, ks, exponent)?);
+        self.current = Current::new(Material::reflecting(name, kd, ks, exponent)?, self.line);
         if args.more() {
             let (kt, [_ior]) = (args.numbers::<3>()?, args.numbers()?);
             if kt != [0.0; 3] {
@@ -204,7 +214,7 @@ impl<'a> Reader<'a> {
 
     fn light(&mut self, args: &mut Args) -> Result<(), Problem> {
         let name = self.material_name("light");
-        self.current = Current::new(Material::light(name, args.numbers()?)?);
+        self.current = Current::new(Material::light(name, args.numbers()?)?, self.line);
         Ok(())
     }
 
@@ -277,7 +287,10 @@ impl<'a> Reader<'a> {
             self.log.warn(line.or(Some(self.line)), text);
         }
         let (current, builder) = (&mut self.current, &mut self.builder);
-        *current.id.get_or_insert_with(|| builder.material(current.material.clone()))
+        *current.id.get_or_insert_with(|| {
+            self.lines.push(current.line);
+            builder.material(current.material.clone())
+        })
     }
 
     fn model(&mut self, file: &str, format: Format) -> Result<Rc<Mesh>, Problem> {

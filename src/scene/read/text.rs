@@ -19,7 +19,7 @@ pub(super) fn decode<'a>(bytes: &'a [u8], log: &Log) -> Result<Cow<'a, str>, Rea
 }
 
 /// The lines with their numbers from 1, whether they end in LF, CR LF or CR.
-pub(super) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+pub(in crate::scene) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     text.split('\n')
         .flat_map(|line| line.strip_suffix('\r').unwrap_or(line).split('\r'))
         .enumerate()
@@ -43,7 +43,7 @@ pub(super) fn shown(token: &str) -> String {
 }
 
 /// Splits off the longest prefix that is a decimal number, with what remains of the token.
-pub(super) fn leading_number(token: &str) -> Option<(f64, &str)> {
+pub(in crate::scene) fn leading_number(token: &str) -> Option<(f64, &str)> {
     let bytes = token.as_bytes();
     let digits = |mut at: usize| {
         while bytes.get(at).is_some_and(u8::is_ascii_digit) {

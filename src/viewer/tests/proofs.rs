@@ -8,7 +8,7 @@ impl Desk {
     /// Frame after frame until a label with this text is drawn.
     fn until_drawn(&mut self, text: &str) {
         let start = Instant::now();
-        while self.harness.query_by_label_contains(text).is_none() {
+        while !self.is_drawn(text) {
             assert!(start.elapsed() < Duration::from_secs(60), "never drawn: {text}");
             std::thread::sleep(Duration::from_millis(2));
             self.harness.step();
@@ -16,7 +16,7 @@ impl Desk {
     }
 
     fn is_drawn(&self, text: &str) -> bool {
-        self.harness.query_by_label_contains(text).is_some()
+        self.harness.query_all_by_label_contains(text).next().is_some()
     }
 }
 

@@ -1,0 +1,368 @@
+//! What a picture was made of, as text that travels in its file.
+//!
+//! Equal recipes make equal pixels: nothing is in a recipe that depends on the machine's speed, the
+//! hour or the number of threads, so files of equal pictures are equal too.
+
+use super::{Params, Snapshot};
+use crate::brdf::{Erratum, Roughness};
+use crate::picture::{Format, Picture, SaveError, Tone, write_with_recipe};
+use crate::scene::write::{Edits, WriteError, edit};
+use crate::scene::{Material, MaterialError, MaterialId, Source, SourceFile};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+use thiserror::Error;
+
+/// Everything needed to make a picture again, and what is known about its error.
+///
+/// Names are those of the command line.
+///
+/// ```
+/// use burnish::picture::{Tone, read_recipe};
+/// use burnish::progressive::{Params, Recipe, render};
+/// use burnish::scene::builtin;
+/// use std::sync::Arc;
+///
+/// let scene = Arc::new(builtin::default_scene()?.0.build());
+/// let params = Params { size: [16, 12], seed: 7, ..Params::new(scene) };
+/// let snapshot = render(params.clone(), 4, 0)?;
+/// let path = std::env::temp_dir().join(format!("recipe-{}.png", std::process::id()));
+/// Recipe::new(&params, &snapshot).save(&path, &snapshot.mean(), Tone::default())?;
+/// let recipe = Recipe::parse(&read_recipe(&path)?.unwrap())?;
+/// assert_eq!((recipe.seed, recipe.passes), (7, 4));
+/// assert!(recipe.scene.text.unwrap().starts_with("# A wentletrap"));
+/// # std::fs::remove_file(&path)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Recipe {
+    /// Version of this form, [`Recipe::VERSION`].
+    pub recipe: u32,
+    /// Version of the program.
+    pub burnish: String,
+    /// Instruction set of the traversal.
+    pub isa: String,
+    /// What is seen.
+    pub scene: SceneRecipe,
+    /// The materials that differ from the scene's text.
+    pub materials: Vec<MaterialRecipe>,
+    /// The roughness alpha that all materials were given, if nothing else about them was changed.
+    pub alpha: Option<f64>,
+    /// The same where it was given as the Phong exponent a_p.
+    pub exponent: Option<f64>,
+    /// The camera as a line of a `.scn` file.
+    pub camera: String,
+    /// Whether it is another than the scene's.
+    pub moved: bool,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Which BRDF.
+    pub model: String,
+    /// How light was found.
+    pub strategy: String,
+    /// Which microfacet normals were drawn.
+    pub normals: String,
+    /// The mistake made on purpose.
+    pub erratum: Option<String>,
+    /// Which of the independent pictures.
+    pub seed: u64,
+    /// Most scattering events.
+    pub max_depth: Option<u32>,
+    /// Samples that every pixel has at least.
+    pub passes: u64,
+    /// Camera paths: more than the passes account for when time ran out within a pass. Such a
+    /// picture cannot be made again exactly.
+    pub paths: u64,
+    /// Rays of all kinds.
+    pub rays: u64,
+    /// Samples left out because they were NaN or infinite.
+    pub nonfinite: u64,
+    /// Paths ended by the safety cap on their length.
+    pub capped: u64,
+    /// The estimated error, once there is an estimate.
+    pub error: Option<ErrorRecipe>,
+    /// How radiance became colour; in 8-bit pictures alone.
+    pub tone: Option<ToneRecipe>,
+}
+
+/// A scene by what was read.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SceneRecipe {
+    /// What the window calls it.
+    pub name: String,
+    /// What the command line calls it, if it came with the program.
+    pub example: Option<String>,
+    /// The text of its `.scn` file; `None` for a model alone, a scene put together by calls, or
+    /// one of more than [`Recipe::MOST_TEXT`] bytes.
+    pub text: Option<String>,
+    /// Its own file, then the models and material libraries that it names.
+    pub files: Vec<FileRecipe>,
+}
+
+/// A file by its content.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FileRecipe {
+    /// As the scene calls it.
+    pub name: String,
+    /// Its length.
+    pub bytes: u64,
+    /// SHA-256, hexadecimal.
+    pub sha256: String,
+}
+
+/// A material as it was rendered.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MaterialRecipe {
+    /// Its number in the scene.
+    pub index: usize,
+    /// What the window calls it.
+    pub name: String,
+    /// The line of the scene's text that gives it; `None` where no line does.
+    pub line: Option<usize>,
+    /// Diffuse reflectance.
+    pub kd: [f32; 3],
+    /// Specular reflectance at normal incidence.
+    pub ks: [f32; 3],
+    /// The Phong exponent a_p.
+    pub exponent: f64,
+    /// Emitted radiance in W/(m² sr).
+    pub emission: [f32; 3],
+}
+
+/// The picture's relative error; see [`ErrorEstimate`](super::ErrorEstimate).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ErrorRecipe {
+    /// The estimate, as a part of one.
+    pub relative: f64,
+    /// Lower 95 % limit.
+    pub low: f64,
+    /// Upper 95 % limit; `None` where there is none.
+    pub high: Option<f64>,
+    /// Whether these figures can be relied on.
+    pub reliable: bool,
+}
+
+/// Exposure and curve.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ToneRecipe {
+    /// In stops.
+    pub exposure: f32,
+    /// The curve's name.
+    pub curve: String,
+}
+
+/// A recipe that cannot be followed.
+#[derive(Debug, Error)]
+pub enum RecipeError {
+    /// It is not one, or not whole.
+    #[error("the recipe cannot be read: {0}")]
+    Parse(#[from] serde_json::Error),
+    /// A later program wrote it.
+    #[error("the recipe has version {0}, this burnish knows {known}: use a newer one", known = Recipe::VERSION)]
+    Version(u32),
+    /// The scene's text is not in it.
+    #[error("the recipe holds no scene text: the scene was {0}")]
+    NoText(&'static str),
+    /// A material has numbers that none can have.
+    #[error("the recipe has a material that cannot be: {0}")]
+    Material(#[from] MaterialError),
+    /// The camera's line makes no sense.
+    #[error("the recipe has a camera that cannot be: {0}")]
+    Camera(String),
+    /// The edits cannot be put into words.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
+
+impl Recipe {
+    /// The version of this form: raised when an older program would misread it.
+    pub const VERSION: u32 = 1;
+    /// Longest text of a scene, in bytes, that goes into a picture: readers of PNG begin to refuse
+    /// longer chunks. Its SHA-256 always does.
+    pub const MOST_TEXT: usize = 1 << 20;
+
+    /// What this snapshot of these parameters was made of.
+    pub fn new(params: &Params, snapshot: &Snapshot) -> Recipe {
+        let scene = &params.scene;
+        let counts = snapshot.counts;
+        let error = snapshot.error.map(|e| e.relative).filter(|e| e.value.is_finite());
+        let common = common_roughness(params);
+        let by_alpha = |r: Roughness| Roughness::from_alpha(r.alpha()) == Ok(r);
+        Recipe {
+            recipe: Self::VERSION,
+            burnish: env!("CARGO_PKG_VERSION").to_owned(),
+            isa: scene.bvh().isa().name().to_owned(),
+            scene: SceneRecipe::new(params),
+            materials: edited(params),
+            alpha: common.filter(|r| by_alpha(*r)).map(Roughness::alpha),
+            exponent: common.filter(|r| !by_alpha(*r)).map(Roughness::exponent),
+            camera: params.camera.scn_line(),
+            moved: params.camera != scene.camera(),
+            size: params.size,
+            model: params.model.name().to_owned(),
+            strategy: params.strategy.name().to_owned(),
+            normals: params.normals.name().to_owned(),
+            erratum: params.erratum.map(Erratum::name).map(str::to_owned),
+            seed: params.seed,
+            max_depth: params.max_depth,
+            passes: snapshot.passes,
+            paths: counts.paths,
+            rays: counts.rays,
+            nonfinite: counts.nonfinite,
+            capped: counts.capped,
+            error: error.map(|e| ErrorRecipe {
+                relative: e.value,
+                low: e.interval.low,
+                high: Some(e.interval.high).filter(|high| high.is_finite()),
+                reliable: snapshot.error.is_some_and(|e| e.reliable),
+            }),
+            tone: None,
+        }
+    }
+
+    /// From the text in a file.
+    pub fn parse(text: &str) -> Result<Recipe, RecipeError> {
+        #[derive(Deserialize)]
+        struct Version {
+            recipe: u32,
+        }
+        match serde_json::from_str(text)? {
+            Version { recipe } if recipe > Self::VERSION => Err(RecipeError::Version(recipe)),
+            _ => Ok(serde_json::from_str(text)?),
+        }
+    }
+
+    /// Writes a picture with its recipe, to a `.png` file toned by `tone` or to an `.exr` file.
+    pub fn save(&self, path: &Path, picture: &Picture, tone: Tone) -> Result<(), SaveError> {
+        let toned = ToneRecipe { exposure: tone.exposure, curve: tone.curve.name().to_owned() };
+        let tone_used = (Format::of(path)? == Format::Png).then_some(toned);
+        let recipe = Recipe { tone: tone_used, ..self.clone() };
+        let text = serde_json::to_string_pretty(&recipe)
+            .map_err(|e| SaveError::Write { path: path.to_path_buf(), source: e.into() })?;
+        write_with_recipe(path, picture, tone, &text)
+    }
+
+    /// Whether every pixel has the same number of samples, so that the picture can be made again.
+    pub fn is_whole(&self) -> bool {
+        let [width, height] = self.size.map(u64::from);
+        width.checked_mul(height).and_then(|n| n.checked_mul(self.passes)) == Some(self.paths)
+    }
+
+    /// What to give `burnish render` besides the scene and the file. Changes of materials other
+    /// than one roughness for all are not among them: those need [`Recipe::scene_text`].
+    pub fn arguments(&self) -> Vec<String> {
+        let [width, height] = self.size;
+        let mut all = Vec::new();
+        let mut add = |name: &str, value: String| all.extend([format!("--{name}"), value]);
+        add("model", self.model.clone());
+        add("size", format!("{width}x{height}"));
+        add("passes", self.passes.max(1).to_string());
+        add("seed", self.seed.to_string());
+        if let Some(alpha) = self.alpha {
+            add("alpha", alpha.to_string());
+        }
+        if let Some(exponent) = self.exponent {
+            add("exponent", exponent.to_string());
+        }
+        if self.moved {
+            add("camera", self.camera.trim_start_matches("camera ").to_owned());
+        }
+        if let Some(depth) = self.max_depth {
+            add("max-depth", depth.to_string());
+        }
+        add("strategy", self.strategy.clone());
+        add("normals", self.normals.clone());
+        if let Some(erratum) = &self.erratum {
+            add("erratum", erratum.clone());
+        }
+        if let Some(tone) = &self.tone {
+            add("exposure", tone.exposure.to_string());
+            add("tone", tone.curve.clone());
+        }
+        all
+    }
+
+    /// The scene's text with the materials, the camera and the size of the picture in it.
+    pub fn scene_text(&self) -> Result<String, RecipeError> {
+        let Some(text) = &self.scene.text else {
+            return Err(RecipeError::NoText(match self.scene.files.as_slice() {
+                [] => "put together by calls",
+                [own, ..] if own.name.to_ascii_lowercase().ends_with(".scn") => "too long",
+                _ => "a model alone",
+            }));
+        };
+        let materials: Vec<(Option<usize>, Material)> = self
+            .materials
+            .iter()
+            .map(|m| Ok((m.line, m.material()?)))
+            .collect::<Result<_, MaterialError>>()?;
+        let camera = crate::scene::read::parse_camera(&self.camera).map_err(RecipeError::Camera)?;
+        let edits = Edits {
+            materials: materials.iter().map(|(line, material)| (*line, material)).collect(),
+            camera: self.moved.then_some(camera),
+            screen: Some(self.size),
+            models: Vec::new(),
+        };
+        Ok(edit(text, &edits)?)
+    }
+}
+
+impl SceneRecipe {
+    fn new(params: &Params) -> SceneRecipe {
+        let (name, source) = (params.scene.name().to_owned(), params.scene.source());
+        SceneRecipe {
+            name,
+            example: source.example.map(str::to_owned),
+            text: source.text.clone().filter(|text| text.len() <= Recipe::MOST_TEXT),
+            files: source.files.iter().map(FileRecipe::from).collect(),
+        }
+    }
+}
+
+impl From<&SourceFile> for FileRecipe {
+    fn from(file: &SourceFile) -> FileRecipe {
+        let SourceFile { name, bytes, sha256, .. } = file.clone();
+        FileRecipe { name, bytes, sha256 }
+    }
+}
+
+impl MaterialRecipe {
+    /// Material number `index` of a scene.
+    pub fn new(index: usize, material: &Material, source: &Source) -> MaterialRecipe {
+        MaterialRecipe {
+            index,
+            name: material.name.clone(),
+            line: source.line(index as MaterialId),
+            kd: material.kd,
+            ks: material.ks,
+            exponent: material.roughness.exponent(),
+            emission: material.emission,
+        }
+    }
+
+    fn material(&self) -> Result<Material, MaterialError> {
+        let wide = |c: [f32; 3]| c.map(f64::from);
+        let name = self.name.as_str();
+        Material::reflecting(name, wide(self.kd), wide(self.ks), self.exponent)?
+            .emitting(wide(self.emission))
+    }
+}
+
+fn edited(params: &Params) -> Vec<MaterialRecipe> {
+    let pairs = params.materials.iter().zip(params.scene.materials()).enumerate();
+    let changed = pairs.filter(|(_, (now, read))| now != read);
+    changed
+        .map(|(index, (now, _))| MaterialRecipe::new(index, now, params.scene.source()))
+        .collect()
+}
+
+/// What all materials have, if nothing but their roughness was changed.
+fn common_roughness(params: &Params) -> Option<Roughness> {
+    let pairs = || params.materials.iter().zip(params.scene.materials());
+    let roughness = params.materials.first()?.roughness;
+    let same = params.materials.iter().all(|m| m.roughness == roughness);
+    let rest = |(now, read): (&Material, &Material)| {
+        Material { roughness: now.roughness, ..read.clone() } == *now
+    };
+    let changed = pairs().any(|(now, read)| now != read);
+    (changed && same && pairs().all(rest)).then_some(roughness)
+}
