@@ -20,7 +20,7 @@ use super::save::{Job, Saving, stem};
 use super::status::{Facts, Status};
 use super::view::View;
 use super::{theme, widgets};
-use burnish::progressive::{Params, Recipe, State};
+use burnish::progressive::{Recipe, State};
 use egui::{
     Align2, Area, CentralPanel, Context, Frame, Id, Margin, Order, Panel, ScrollArea, Ui,
     ViewportCommand, vec2,
@@ -31,8 +31,6 @@ use std::path::PathBuf;
 const ROUGHNESS_STEP: f64 = 1.189_207_115_002_721;
 /// What one press of E does, in stops.
 const EXPOSURE_STEP: f32 = 0.5;
-/// Changes within so many seconds are one change for undo.
-const GESTURE: f64 = 0.6;
 
 pub(super) struct App {
     pub(super) document: Option<Document>,
@@ -55,8 +53,6 @@ pub(super) struct App {
     threads: usize,
     /// Where snapshots go.
     folder: PathBuf,
-    /// When the parameters last changed, in egui's seconds.
-    edited: f64,
     full_screen: bool,
 }
 
@@ -83,7 +79,6 @@ impl App {
             open: Open::default(),
             threads,
             folder,
-            edited: f64::NEG_INFINITY,
             full_screen: false,
         };
         app.load(ctx, source);
@@ -260,11 +255,10 @@ impl App {
                 self.notice = Some(Notice::news(format!("Copied: {line}")));
                 ctx.copy_text(line);
             }
-            Action::Undo => {
-                // What undo brings back is not itself a change to be undone.
-                if document.undo() {
+            Action::Undo | Action::Redo => {
+                let done = if action == Action::Undo { document.undo() } else { document.redo() };
+                if done {
                     document.paused = false;
-                    self.send();
                 }
             }
             Action::Open | Action::Help | Action::Zoom | Action::FullScreen | Action::Save => {}
@@ -291,7 +285,6 @@ impl App {
                 ctx.send_viewport_cmd(ViewportCommand::Title(format!("{name} - burnish")));
                 self.document = Some(document);
                 self.notice = None;
-                self.edited = f64::NEG_INFINITY;
             }
             Err(why) => self.notice = Some(Notice::error(why.to_string())),
         }
@@ -328,26 +321,17 @@ impl App {
 
     /// Tells the renderer what changed, and remembers what was before for undo.
     fn tell(&mut self, ctx: &Context) {
-        let (Some(document), Some(render)) = (&mut self.document, &self.render) else { return };
+        let (Some(document), Some(render)) = (&mut self.document, &mut self.render) else { return };
         if document.params != *render.told() {
-            let now = ctx.input(|i| i.time);
-            if now - self.edited > GESTURE {
-                let before: Params = render.told().clone();
-                document.remember(before);
-            }
-            self.edited = now;
             // A change is to be seen, and a paused renderer would show nothing of it.
             document.paused = false;
         }
-        self.send();
-    }
-
-    fn send(&mut self) {
-        let (Some(document), Some(render)) = (&mut self.document, &mut self.render) else { return };
         if let Err(why) = render.tell(document) {
             self.notice = Some(Notice::error(why.to_string()));
             document.params = render.told().clone();
         }
+        let (now, down) = ctx.input(|i| (i.time, i.pointer.any_down()));
+        document.note(now, down);
     }
 }
 

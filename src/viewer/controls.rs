@@ -2,7 +2,6 @@
 
 use super::document::{Document, Shown};
 use super::energy::Energy;
-use super::figures::digits;
 use super::keys::{self, Action};
 use super::theme;
 use super::widgets::{self, Weight};
@@ -25,7 +24,8 @@ impl Controls {
         roughness(ui, document, energy);
         widgets::rule(ui);
         passes(ui, document);
-        asked.or(run(ui, document))
+        let asked = asked.or(run(ui, document));
+        asked.or(history(ui, document))
     }
 }
 
@@ -78,7 +78,10 @@ fn roughness(ui: &mut Ui, document: &mut Document, energy: &mut Energy) {
         let width = (ui.available_width() - widgets::text_width(ui, name)) / 2.0 - theme::GAP;
         let size = egui::vec2(width, ui.spacing().interact_size.y);
         let mut alpha = value.alpha();
-        let field = number(&mut alpha).range(low..=high).speed(0.01 * value.alpha()).min_size(size);
+        let field = widgets::number(&mut alpha, 4)
+            .range(low..=high)
+            .speed(0.01 * value.alpha())
+            .min_size(size);
         if ui.add_sized(size, field).labelled_by(label).on_hover_text(tip).changed() {
             wanted = Roughness::from_alpha(alpha).ok();
         }
@@ -87,7 +90,7 @@ fn roughness(ui: &mut Ui, document: &mut Document, energy: &mut Energy) {
         let [low, high] = Roughness::EXPONENT;
         let mut exponent = value.exponent();
         let speed = 0.01 * (value.exponent() + 2.0);
-        let field = number(&mut exponent).range(low..=high).speed(speed).min_size(size);
+        let field = widgets::number(&mut exponent, 4).range(low..=high).speed(speed).min_size(size);
         if ui.add_sized(size, field).labelled_by(label).on_hover_text(tip).changed() {
             wanted = Roughness::from_exponent(exponent).ok();
         }
@@ -100,21 +103,6 @@ fn roughness(ui: &mut Ui, document: &mut Document, energy: &mut Energy) {
         document.reset_roughness();
     }
     applies_to(ui, document);
-}
-
-/// A number that is typed or dragged, with four significant digits. A text that was not changed
-/// is the number itself, not its rounded form: to look is not to edit.
-fn number(value: &mut f64) -> DragValue<'_> {
-    let (exact, shown) = (*value, digits(*value, 4));
-    let parse = move |text: &str| match text.trim() {
-        text if text == shown => Some(exact),
-        text => text.parse().ok().filter(|x: &f64| !x.is_nan()),
-    };
-    DragValue::new(value)
-        .update_while_editing(false)
-        .max_decimals(12)
-        .custom_formatter(|x, _| digits(x, 4))
-        .custom_parser(parse)
 }
 
 /// Whether the roughness is that of all materials or of the picked one.
@@ -162,6 +150,13 @@ fn run(ui: &mut Ui, document: &Document) -> Option<Action> {
         (keys::binding(Action::Restart).name, Action::Restart),
         (keys::binding(Action::Save).name, Action::Save),
     ];
-    let tips = buttons.map(|(words, action)| (words, keys::tooltip(ui.ctx(), action)));
-    widgets::button_row(ui, tips.into_iter()).map(|i| buttons[i].1)
+    let tips = buttons.map(|(words, action)| (words, keys::tooltip(ui.ctx(), action), true));
+    widgets::button_row(ui, &tips).map(|i| buttons[i].1)
+}
+
+fn history(ui: &mut Ui, document: &Document) -> Option<Action> {
+    let buttons = [(Action::Undo, document.can_undo()), (Action::Redo, document.can_redo())];
+    let entries = buttons
+        .map(|(action, can)| (keys::binding(action).name, keys::tooltip(ui.ctx(), action), can));
+    widgets::button_row(ui, &entries).map(|i| buttons[i].0)
 }

@@ -1,11 +1,13 @@
 //! What the window shows and what its controls change: the one truth that all panels share.
 
+use super::history::{History, State};
 use super::load::Loaded;
 use super::orbit::Subject;
 use burnish::brdf::Roughness;
 use burnish::picture::Tone;
 use burnish::progressive::{Params, Session};
 use burnish::scene::{Material, MaterialId, Report};
+use std::sync::Arc;
 
 /// A scene with everything that can be set about it. Panels change it; the app then tells the
 /// renderer.
@@ -24,7 +26,40 @@ pub(super) struct Document {
     pub(super) picked: Option<MaterialId>,
     /// Whether the roughness is that of the picked material or that of all.
     pub(super) only_picked: bool,
-    undo: Vec<Params>,
+    history: History<Settings>,
+}
+
+/// What undo brings back.
+#[derive(Clone)]
+struct Settings {
+    params: Params,
+    tone: Tone,
+    limit: u64,
+}
+
+impl State for Settings {
+    /// The first six of the parts below.
+    const FLOWING: u32 = 0b11_1111;
+
+    fn differs(&self, from: &Settings) -> u32 {
+        let (now, was) = (&self.params, &from.params);
+        let same = Arc::ptr_eq(&now.materials, &was.materials) || now.materials == was.materials;
+        let parts = [
+            !same,
+            now.camera != was.camera,
+            now.size != was.size,
+            now.seed != was.seed,
+            self.tone.exposure != from.tone.exposure,
+            self.limit != from.limit,
+            now.max_depth != was.max_depth,
+            now.model != was.model,
+            now.strategy != was.strategy,
+            now.normals != was.normals,
+            now.erratum != was.erratum,
+            self.tone.curve != from.tone.curve,
+        ];
+        parts.iter().enumerate().map(|(i, differs)| u32::from(*differs) << i).sum()
+    }
 }
 
 /// The roughness that the slider stands for.
@@ -40,7 +75,6 @@ pub(super) enum Shown {
 
 impl Document {
     const PASSES: u64 = 1024;
-    const MAX_UNDO: usize = 200;
 
     /// A scene as it was read. Model, method, limit and tone stay those of the scene before.
     pub(super) fn open(loaded: Loaded, before: Option<&Document>) -> Document {
@@ -51,16 +85,19 @@ impl Document {
             params.normals = before.params.normals;
             params.erratum = before.params.erratum;
         }
+        let limit = before.map_or(Self::PASSES, |b| b.limit);
+        let tone = before.map_or_else(Tone::default, |b| b.tone);
+        let settings = Settings { params: params.clone(), tone, limit };
         Document {
             params,
             report: loaded.report,
             number: before.map_or(0, |b| b.number + 1),
-            limit: before.map_or(Self::PASSES, |b| b.limit),
+            limit,
             paused: false,
-            tone: before.map_or_else(Tone::default, |b| b.tone),
+            tone,
             picked: None,
             only_picked: false,
-            undo: Vec::new(),
+            history: History::new(settings),
         }
     }
 
@@ -87,6 +124,19 @@ impl Document {
     /// The picked material, where there is one.
     pub(super) fn picked_material(&self) -> Option<&Material> {
         self.params.materials.get(self.picked? as usize)
+    }
+
+    /// The picked material as the scene file has it.
+    pub(super) fn picked_as_read(&self) -> Option<&Material> {
+        self.params.scene.materials().get(self.picked? as usize)
+    }
+
+    /// Puts this in the place of the picked material.
+    pub(super) fn set_picked(&mut self, material: Material) {
+        let Some(picked) = self.picked else { return };
+        if let Some(place) = Arc::make_mut(&mut self.params.materials).get_mut(picked as usize) {
+            *place = material;
+        }
     }
 
     /// What the roughness slider shows.
@@ -134,22 +184,36 @@ impl Document {
         });
     }
 
-    /// Remembers these parameters as the state before the present one.
-    pub(super) fn remember(&mut self, before: Params) {
-        if self.undo.len() == Self::MAX_UNDO {
-            self.undo.remove(0);
-        }
-        self.undo.push(before);
+    /// Takes note of changes for undo: at `now` seconds, the pointer being `down` or not.
+    pub(super) fn note(&mut self, now: f64, down: bool) {
+        let settings = Settings { params: self.params.clone(), tone: self.tone, limit: self.limit };
+        self.history.note(&settings, now, down);
     }
 
     /// Goes one change back. False when there is none.
     pub(super) fn undo(&mut self) -> bool {
-        let before = self.undo.pop();
-        let any = before.is_some();
-        if let Some(before) = before {
-            self.params = before;
-        }
-        any
+        let before = self.history.undo().cloned();
+        self.restore(before)
+    }
+
+    /// Takes back the last undo. False when there is none.
+    pub(super) fn redo(&mut self) -> bool {
+        let after = self.history.redo().cloned();
+        self.restore(after)
+    }
+
+    pub(super) fn can_undo(&self) -> bool {
+        self.history.can_undo()
+    }
+
+    pub(super) fn can_redo(&self) -> bool {
+        self.history.can_redo()
+    }
+
+    fn restore(&mut self, settings: Option<Settings>) -> bool {
+        let Some(Settings { params, tone, limit }) = settings else { return false };
+        (self.params, self.tone, self.limit) = (params, tone, limit);
+        true
     }
 
     /// Whether the slider speaks of material `i`: it has a lobe, and is picked or all are meant.
@@ -167,7 +231,7 @@ impl Document {
     fn edit(&mut self, change: impl Fn(usize, &mut Material)) {
         let concerned: Vec<usize> =
             (0..self.params.materials.len()).filter(|&i| self.concerns(i)).collect();
-        let materials = std::sync::Arc::make_mut(&mut self.params.materials);
+        let materials = Arc::make_mut(&mut self.params.materials);
         for i in concerned {
             if let Some(material) = materials.get_mut(i) {
                 change(i, material);

@@ -22,6 +22,7 @@ pub(super) enum Action {
     Zoom,
     FullScreen,
     Undo,
+    Redo,
     Help,
 }
 
@@ -167,7 +168,17 @@ pub(super) const TABLE: &[Binding] = &[
         keys: &[command(Key::Z)],
         name: "Undo",
         does: "Undo",
-        tip: "Takes back the last change of model, roughness or camera.",
+        tip: "Takes back the last change of anything that can be set. A whole drag is one change.",
+    },
+    Binding {
+        action: Action::Redo,
+        keys: &[
+            KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z),
+            command(Key::Y),
+        ],
+        name: "Redo",
+        does: "Redo",
+        tip: "Takes back the last undo.",
     },
     Binding {
         action: Action::Help,
@@ -224,11 +235,16 @@ pub(super) fn pressed(ctx: &Context, picture_has_focus: bool) -> Vec<Action> {
     let mut bindings: Vec<(&KeyboardShortcut, Action)> =
         TABLE.iter().flat_map(|b| b.keys.iter().map(|k| (k, b.action))).collect();
     // egui ignores further modifiers, so the longer combination has to be asked for first.
-    bindings.sort_by_key(|(k, _)| !(k.modifiers.shift || k.modifiers.command));
+    let held = |k: &KeyboardShortcut| {
+        u8::from(k.modifiers.shift) + u8::from(k.modifiers.command || k.modifiers.ctrl)
+    };
+    bindings.sort_by_key(|(k, _)| std::cmp::Reverse(held(k)));
     ctx.input_mut(|input| {
         for (shortcut, action) in bindings {
             let alone = !shortcut.modifiers.command && shortcut.logical_key != Key::F11;
-            if (typing && alone) || (focused && shortcut.logical_key == Key::Space) {
+            // A text that is being typed has an undo of its own.
+            let of_text = alone || matches!(action, Action::Undo | Action::Redo);
+            if (typing && of_text) || (focused && shortcut.logical_key == Key::Space) {
                 continue;
             }
             if input.consume_shortcut(shortcut) {

@@ -1,7 +1,8 @@
-//! The scene's materials: pick one to edit its roughness.
+//! The scene's materials: pick one to edit it.
 
 use super::document::{Document, has_lobe};
 use super::figures::digits;
+use super::surface;
 use super::theme;
 use super::widgets;
 use burnish::scene::{Material, MaterialId};
@@ -10,7 +11,7 @@ use egui::{Align, Button, Layout, Response, RichText, ScrollArea, Ui};
 /// At least so many lines are shown at once; half a line tells that there are more.
 const LINES: f32 = 5.5;
 /// Height of all else in the panel, in points: a tall window has room for more lines.
-const REST: f32 = 600.0;
+const REST: f32 = 760.0;
 
 #[derive(Default)]
 pub(super) struct Materials {
@@ -29,6 +30,8 @@ impl Materials {
             let height = height.max(ui.clip_rect().height() - REST);
             let area = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
             area.show(ui, |ui| self.list(ui, document));
+            ui.add_space(theme::GAP);
+            surface::fields(ui, document);
         });
     }
 
@@ -66,7 +69,7 @@ fn header(ui: &mut Ui) {
 }
 
 fn row(ui: &mut Ui, material: &Material, chosen: bool) -> Response {
-    ui.horizontal(|ui| {
+    let row = ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         theme::quiet_choice(ui);
         swatches(ui, material);
@@ -80,8 +83,11 @@ fn row(ui: &mut Ui, material: &Material, chosen: bool) -> Response {
             .inner
             .accessible_name(material.name.as_str())
             .on_hover_text(describe(material))
-    })
-    .inner
+    });
+    if chosen {
+        widgets::focus_frame(ui, row.response.rect);
+    }
+    row.inner
 }
 
 /// Two squares: Kd and Ks, or one of what it emits.

@@ -66,10 +66,8 @@ fn describe(curve: Curve) -> &'static str {
 
 fn camera(ui: &mut Ui) -> Option<Action> {
     const ACTIONS: [Action; 3] = [Action::Home, Action::Frame, Action::CopyCamera];
-    let tips = ACTIONS.map(|a| (keys::binding(a).name, keys::tooltip(ui.ctx(), a)));
-    widgets::field(ui, "Camera", "", |ui, _| {
-        widgets::button_row(ui, tips.into_iter()).map(|i| ACTIONS[i])
-    })
+    let tips = ACTIONS.map(|a| (keys::binding(a).name, keys::tooltip(ui.ctx(), a), true));
+    widgets::field(ui, "Camera", "", |ui, _| widgets::button_row(ui, &tips).map(|i| ACTIONS[i]))
 }
 
 fn appearance(ui: &mut Ui) {

@@ -1,10 +1,11 @@
 //! The few widgets that egui does not have, or not so.
 
+use super::figures::digits;
 use super::theme;
 use egui::collapsing_header::CollapsingState;
 use egui::{
-    Button, Color32, CornerRadius, Rect, Response, Role, Sense, Shape, Stroke, StrokeKind,
-    TextStyle, Ui, Vec2, WidgetInfo, pos2, vec2,
+    Button, Color32, CornerRadius, DragValue, Rect, Response, Role, Sense, Shape, Stroke,
+    StrokeKind, TextStyle, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 
 /// How much the chosen one of a row of buttons stands out.
@@ -78,24 +79,39 @@ pub(super) fn field<R>(
     .inner
 }
 
-/// Buttons of equal width over the whole width.
-pub(super) fn button_row<'a>(
-    ui: &mut Ui,
-    buttons: impl ExactSizeIterator<Item = (&'a str, String)>,
-) -> Option<usize> {
+/// Buttons of equal width over the whole width. Each entry: its words, its tooltip, whether it can
+/// be pressed.
+pub(super) fn button_row(ui: &mut Ui, buttons: &[(&str, String, bool)]) -> Option<usize> {
     let mut pressed = None;
     let count = buttons.len().max(1) as f32;
     let gap = ui.spacing().item_spacing.x;
     let width = (ui.available_width() - gap * (count - 1.0)) / count;
     ui.horizontal(|ui| {
-        for (i, (words, tip)) in buttons.enumerate() {
-            let button = Button::new(words).min_size(vec2(width, theme::ROW));
-            if ui.add_sized(vec2(width, theme::ROW), button).on_hover_text(tip).clicked() {
+        for (i, (words, tip, enabled)) in buttons.iter().enumerate() {
+            let size = vec2(width, theme::ROW);
+            let button = Button::new(*words).min_size(size);
+            let row = ui.add_enabled_ui(*enabled, |ui| ui.add_sized(size, button)).inner;
+            if row.on_hover_text(tip).on_disabled_hover_text(tip).clicked() {
                 pressed = Some(i);
             }
         }
     });
     pressed
+}
+
+/// A number that is typed or dragged, with so many significant digits. A text that was not changed
+/// is the number itself, not its rounded form: to look is not to edit.
+pub(super) fn number(value: &mut f64, significant: usize) -> DragValue<'_> {
+    let (exact, shown) = (*value, digits(*value, significant));
+    let parse = move |text: &str| match text.trim() {
+        text if text == shown => Some(exact),
+        text => text.parse().ok().filter(|x: &f64| !x.is_nan()),
+    };
+    DragValue::new(value)
+        .update_while_editing(false)
+        .max_decimals(12)
+        .custom_formatter(move |x, _| digits(x, significant))
+        .custom_parser(parse)
 }
 
 /// Width of a label's text in points.

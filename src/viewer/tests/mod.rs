@@ -2,6 +2,8 @@
 
 mod controls;
 mod files;
+mod history;
+mod materials;
 mod method;
 mod picture;
 mod proofs;

@@ -1,0 +1,97 @@
+//! The list of materials and the fields of the picked one.
+
+use super::*;
+use burnish::scene::Material;
+
+/// With a material picked, a picture of a few passes there.
+fn desk(picked: u32) -> Desk {
+    let mut desk = Desk::done(2);
+    desk.document(|d| d.pick(Some(picked)));
+    desk.harness.run_ok();
+    desk
+}
+
+fn material(desk: &Desk, i: usize) -> &Material {
+    &desk.doc().params.materials[i]
+}
+
+fn is_there(desk: &Desk, role: Role, label: &str) -> bool {
+    desk.harness.query_by_role_and_label(role, label).is_some()
+}
+
+#[test]
+fn fields_are_there_for_the_picked_material_alone() {
+    let mut desk = Desk::done(1);
+    assert!(!is_there(&desk, Role::SpinButton, "Kd red"));
+    desk.harness.get_by_label("Pick one, here or in the picture, to edit it.");
+    desk.document(|d| d.pick(Some(0)));
+    desk.harness.run_ok();
+    for quantity in ["Kd", "Ks"] {
+        for channel in ["red", "green", "blue"] {
+            assert!(is_there(&desk, Role::SpinButton, &format!("{quantity} {channel}")));
+        }
+    }
+    assert!(is_there(&desk, Role::SpinButton, "Exponent"));
+    assert!(!is_there(&desk, Role::SpinButton, "Emits red"), "it is no light");
+    assert_eq!(desk.harness.unnamed_widgets(), Vec::<String>::new());
+    desk.click("All");
+    desk.harness.run_ok();
+    assert!(!is_there(&desk, Role::SpinButton, "Kd red"));
+}
+
+#[test]
+fn reflectances_are_typed_and_seen_at_once() {
+    let mut desk = desk(0);
+    let (before, other) = (desk.shown(), material(&desk, 1).clone());
+    let ks = material(&desk, 0).ks;
+    desk.type_into("Kd green", "0.75");
+    assert_eq!(material(&desk, 0).kd, [0.5, 0.75, 0.1]);
+    assert_eq!(desk.app().render.as_ref().unwrap().told().materials[0].kd, [0.5, 0.75, 0.1]);
+    desk.until_done(2);
+    assert!(desk.shown() != before);
+    desk.type_into("Ks blue", "2");
+    assert_eq!(material(&desk, 0).ks, [ks[0], ks[1], 1.0]);
+    for nonsense in ["", "red", "nan"] {
+        desk.type_into("Kd red", nonsense);
+        assert_eq!(material(&desk, 0).kd[0], 0.5, "{nonsense:?}");
+    }
+    assert_eq!(*material(&desk, 1), other);
+    for _ in 0..2 {
+        desk.chord(Modifiers::CTRL | Modifiers::COMMAND, Key::Z);
+    }
+    desk.until_done(2);
+    assert!(desk.shown() == before, "the same bits as before");
+}
+
+#[test]
+fn the_exponent_is_that_of_one_material_and_needs_a_lobe() {
+    let mut desk = desk(1);
+    desk.type_into("Exponent", "48");
+    let exponents = [0, 1].map(|i| material(&desk, i).roughness.exponent());
+    assert_eq!(exponents, [50.0, 48.0]);
+    assert_eq!(desk.harness.query_all_by_label("alpha 0.2000").count(), 1);
+    for channel in ["Ks red", "Ks green", "Ks blue"] {
+        desk.type_into(channel, "0");
+    }
+    desk.harness.get_by_label("no lobe: Ks is 0");
+    assert!(!is_there(&desk, Role::SpinButton, "Exponent"));
+}
+
+#[test]
+fn a_light_has_its_emission() {
+    let mut desk = desk(2);
+    let before = desk.newest().mean();
+    assert!(!is_there(&desk, Role::SpinButton, "Kd red"), "it reflects nothing");
+    for (channel, value) in [("Emits red", "0"), ("Emits green", "-3"), ("Emits blue", "18")] {
+        desk.type_into(channel, value);
+    }
+    assert_eq!(material(&desk, 2).emission, [0.0, 0.0, 18.0]);
+    desk.until_done(2);
+    for (was, is) in before.pixels.iter().zip(&desk.newest().mean().pixels) {
+        assert!(is[0] == 0.0 && is[1] == 0.0);
+        assert!((is[2] - 2.0 * was[2]).abs() <= 0.02 * is[2] + 1e-6, "{was:?} {is:?}");
+    }
+    // Turned off, it can be turned on again.
+    desk.type_into("Emits blue", "0");
+    assert!(is_there(&desk, Role::SpinButton, "Emits blue"));
+}
