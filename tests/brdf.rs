@@ -175,7 +175,9 @@ fn odd_directions_give_zero_or_a_number() {
                         assert_eq!((a.f, a.pdf), (0.0, 0.0), "{case}");
                     } else if finite(wo) && finite(wi) && wo.length() > 0.5 && wi.length() > 0.5 {
                         assert!(a.f.is_finite() && a.f >= 0.0, "{case}");
-                        assert!(a.pdf.is_finite() && a.pdf >= 0.0, "{case}");
+                        // Of two that are opposite to the last bit the density may be infinite.
+                        assert!(a.pdf >= 0.0, "{case}");
+                        assert!(a.pdf.is_finite() || (wo + wi).length2() == 0.0, "{case}");
                     }
                 }
             }

@@ -44,7 +44,9 @@ fn rays_have_the_direction_of_their_pixel_at_every_angle() {
                 let expected = (x * (sx * rx) - y * (sy * ry) - z).normalize();
                 let d = rays.ray(place[0], place[1]).d;
                 let off = DVec3::new(d.x as f64, d.y as f64, d.z as f64) - expected;
-                assert!(off.length() < 5e-7, "{degrees} {size:?} {place:?}: {}", off.length());
+                // Of a wide picture the last digit of a place is worth that many times more.
+                let allowed = 4e-7 * rx.max(ry).max(1.0);
+                assert!(off.length() < allowed, "{degrees} {size:?} {place:?}: {}", off.length());
             }
         }
     }

@@ -61,7 +61,10 @@ fn every_help_has_an_example_that_names_its_subcommand() {
         (&["brdf", "--help"], "burnish brdf --eval"),
         (&["report", "--help"], "burnish report --latency"),
         (&["report", "--help"], "burnish report table.scn --plot"),
+        (&["render", "--help"], "-o out/{name}-{model}.png"),
         (&["compare", "--help"], "burnish compare fast.exr"),
+        (&["check", "--help"], "burnish check --model"),
+        (&["completions", "--help"], "burnish completions fish"),
     ] {
         let help = must(args);
         assert!(help.contains("Examples:") && help.contains(example), "{args:?}: {help}");
@@ -94,7 +97,11 @@ fn bad_arguments_are_code_2_and_named() {
         (&["--exposure", "nan"], "--exposure"),
         (&["--tone", "gamma"], "srgb, reinhard, filmic"),
         (&["-o", "picture.jpg"], ".exr"),
-        (&["a.scn", "b.scn"], "b.scn"),
+        (&["a.scn", "b.scn"], "put {name} into its name"),
+        (&["--model", "all"], "put {model} into its name"),
+        (&["-o", "{seed}.png"], "{name}"),
+        (&["-o", "never-written.png"], "written twice"),
+        (&["--quiet", "--verbose"], "cannot be used with"),
     ] {
         let output = run(&[&o[..], more].concat());
         assert_eq!(code(&output), 2, "{more:?}: {}", err(&output));
@@ -115,6 +122,114 @@ fn bad_arguments_are_code_2_and_named() {
         assert_eq!(code(&run(args)), 2, "{args:?}");
     }
     assert!(!Path::new("never-written.png").exists());
+}
+
+/// Of every subcommand, so that none is forgotten.
+#[test]
+fn every_subcommand_has_examples() {
+    let help = must(&["--help"]);
+    let list = help.split_once("Commands:\n").unwrap().1.split("\n\n").next().unwrap();
+    // A name stands two columns in, the text that goes on further.
+    let names = list.lines().filter(|l| l.starts_with("  ") && !l.starts_with("   "));
+    let names: Vec<&str> = names.map(|l| l.split_whitespace().next().unwrap()).collect();
+    assert!(names.contains(&"render") && names.len() >= 6, "{names:?}");
+    for name in names.into_iter().filter(|name| *name != "help") {
+        let help = must(&[name, "--help"]);
+        let examples = help.split_once("Examples:\n").unwrap_or_else(|| panic!("{help}")).1;
+        assert!(examples.contains(&format!("  burnish {name}")), "{examples}");
+        assert!(help.contains("--quiet") && help.contains("--verbose"), "{help}");
+    }
+}
+
+#[test]
+fn completions_know_the_arguments() {
+    for shell in ["bash", "zsh", "fish"] {
+        let script = must(&["completions", shell]);
+        for word in ["burnish", "render", "completions", "exposure", "quiet", "filmic"] {
+            assert!(script.contains(word), "{word} is not in the script for {shell}");
+        }
+    }
+    assert_eq!(code(&run(&["completions", "command.com"])), 2);
+}
+
+#[test]
+fn quiet_says_nothing_and_verbose_more() {
+    let folder = tempfile::tempdir().unwrap();
+    let png = at(&folder, "a.png");
+    // Something to remark on, in the scene and of the render.
+    let scene = at(&folder, "a.scn");
+    fs::write(&scene, "environment 1 1 1\nbrdf 0.5 0.5 0.5 0 0 0 1\nsphere 0 0 0 1\n").unwrap();
+    let small = ["render", &scene, "-o", &png, "--size", "32x24", "--passes", "2"];
+    let said = |more: &[&str]| {
+        let output = run(&[&small[..], &["--erratum", "double-direct"], more].concat());
+        assert_eq!((code(&output), out(&output).as_str()), (0, ""));
+        err(&output)
+    };
+    let normal = said(&[]);
+    assert!(normal.contains("warning: ") && normal.contains("wrong on purpose"), "{normal}");
+    assert_eq!((said(&["--quiet"]), said(&["-q"])), (String::new(), String::new()));
+    let verbose = said(&["-v", "--threads", "2"]);
+    for part in ["1 spheres", "tree built in", "2 worker threads", "rays/s", "a.png", "seed 0"] {
+        assert!(verbose.contains(part) && !normal.contains(part), "{part} in {verbose}");
+    }
+    // Errors are always told.
+    let output = run(&["render", "-q", "no-such.scn", "-o", &png]);
+    assert!(code(&output) == 1 && err(&output).contains("no-such.scn"), "{}", err(&output));
+}
+
+#[test]
+fn colours_are_for_terminals() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = at(&folder, "missing.scn");
+    let said = |variables: &[(&str, &str)]| {
+        let mut command = burnish();
+        for name in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "TERM"] {
+            command.env_remove(name);
+        }
+        command.envs(variables.iter().copied()).args(["render", &missing, "-o"]);
+        let output = command.arg(at(&folder, "a.png")).output().unwrap();
+        assert_eq!(code(&output), 1);
+        err(&output)
+    };
+    let plain = said(&[("TERM", "xterm-256color")]);
+    assert!(plain.starts_with("burnish: ") && !plain.contains('\x1b'), "{plain:?}");
+    // Asked for in so many words, they are there also without a terminal.
+    let forced = said(&[("CLICOLOR_FORCE", "1")]);
+    assert!(forced.starts_with('\x1b') && forced.contains("missing.scn"), "{forced:?}");
+    let refused = said(&[("NO_COLOR", "1"), ("TERM", "xterm-256color")]);
+    assert_eq!(refused, plain);
+}
+
+#[test]
+fn several_scenes_and_models_are_several_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = at(&folder, "sky.scn");
+    fs::write(&scene, SKY).unwrap();
+    let small = ["--size", "24x18", "--passes", "2"];
+    let [pattern, stats] = ["{model}-{name}.exr", "{name}.{model}.json"].map(|n| at(&folder, n));
+    let many = ["render", "cornell", "plates", &scene, "--model", "ggx,phong", "-o", &pattern];
+    let output = run(&[&many[..], &["--stats", &stats], &small].concat());
+    assert_eq!(code(&output), 0, "{}", err(&output));
+    assert!(err(&output).contains("6 of 6: "), "{}", err(&output));
+    for (name, path) in [("cornell", "cornell"), ("plates", "plates"), ("sky", &scene)] {
+        for model in ["ggx", "phong"] {
+            // The same bits as by itself.
+            let alone = at(&folder, "alone.exr");
+            must(&[&["render", path, "--model", model, "-o", &alone][..], &small].concat());
+            let file = at(&folder, &format!("{model}-{name}.exr"));
+            let [one, many] = [&alone, &file].map(|p| burnish::picture::read_exr(p.as_ref()));
+            assert!(one.unwrap() == many.unwrap(), "{file}");
+            let j = json(&at(&folder, &format!("{name}.{model}.json")));
+            assert_eq!((&j["model"], &j["passes"]), (&model.into(), &2.into()));
+        }
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 14);
+
+    // A scene that is not there is found out before the first one is rendered.
+    let never = at(&folder, "never-{name}.exr");
+    let output = run(&["render", "cornell", "no-such.scn", "-o", &never]);
+    assert!(code(&output) == 1 && err(&output).contains("no-such.scn"), "{}", err(&output));
+    assert!(!Path::new(&at(&folder, "never-cornell.exr")).exists());
 }
 
 #[test]
@@ -228,13 +343,13 @@ fn render_writes_pictures_and_their_figures() {
     }
 }
 
-/// The files of two renders at 48x36 with these further arguments.
-fn two_renders(a: &[&str], b: &[&str]) -> [Vec<u8>; 2] {
+/// The pixels of two renders at 48x36 with these further arguments.
+fn two_renders(a: &[&str], b: &[&str]) -> [Vec<[f32; 3]>; 2] {
     let folder = tempfile::tempdir().unwrap();
     let path = at(&folder, "a.exr");
     [a, b].map(|more| {
         must(&[&["render", "-o", &path, "--size", "48x36", "--passes", "2"][..], more].concat());
-        fs::read(&path).unwrap()
+        burnish::picture::read_exr(path.as_ref()).unwrap().pixels
     })
 }
 

@@ -21,14 +21,9 @@ fn each_of_the_139_scenes_is_asked_or_left_out_with_a_reason() {
     let left_out: BTreeSet<&str> = table.left_out.iter().map(|l| l.id.as_str()).collect();
     assert_eq!(table.scenes, 139);
     assert_eq!(asked.union(&left_out).count(), 139);
-    // Ks = 0 with a lobe five times, and the cavity without an answer.
-    let wholly: Vec<&&str> = left_out.difference(&asked).collect();
-    assert_eq!(
-        wholly,
-        ["ball10", "cavity6", "dome10_0.01", "dome10_0.1", "dome10_0.5", "dome10_1"]
-            .iter()
-            .collect::<Vec<_>>()
-    );
+    // Ks = 0 with a lobe five times, the cavity without an answer and the one without an error.
+    let wholly = left_out.difference(&asked).copied().collect::<Vec<_>>().join(" ");
+    assert_eq!(wholly, "ball10 cavity6 cavity7 dome10_0.01 dome10_0.1 dome10_0.5 dome10_1");
     assert!(table.left_out.iter().all(|l| l.reason.len() > 20));
     let groups: BTreeSet<&str> = asked.iter().map(|id| group(id)).collect();
     assert_eq!(groups.len(), 14, "{groups:?}");
@@ -97,8 +92,8 @@ fn closed_forms_of_the_table_are_what_they_say() {
 #[test]
 fn scenes_with_known_answers_come_out_as_known() {
     let mut table = all().unwrap();
-    // These take more than a million paths, or paths of a hundred bounces, for 1 %.
-    let slow = ["furnace3 radiance", "integrating2", "cavity4", "cavity7"];
+    // These take about a million paths, or paths of a hundred bounces, for 1 %.
+    let slow = ["furnace3 radiance", "integrating2", "cavity4"];
     table.cases.retain(|c| !slow.iter().any(|s| format!("{} {}", c.id, c.quantity).starts_with(s)));
     assert_eq!(table.cases.len(), 179);
     let mut wrong = Vec::new();

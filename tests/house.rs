@@ -17,7 +17,7 @@ const MAY_KNOW: [(&str, &[&str]); 9] = [
 ];
 
 /// Foreign names with the only places that may use them.
-const ONE_PLACE: [(&str, &[&str]); 18] = [
+const ONE_PLACE: [(&str, &[&str]); 20] = [
     ("obvhs", &["src/geometry/bvh.rs"]),
     ("tobj", &["src/scene/read/"]),
     ("ply_rs_bw", &["src/scene/read/ply"]),
@@ -25,12 +25,14 @@ const ONE_PLACE: [(&str, &[&str]); 18] = [
     // Beneath `image`, for the recipes that it cannot write.
     ("png::", &["src/picture/files.rs"]),
     ("exr::", &["src/picture/files.rs"]),
-    ("sha2", &["src/scene/read/files.rs"]),
+    ("sha2::", &["src/scene/read/files.rs"]),
     ("rayon", &["src/progressive/work.rs"]),
     ("crossbeam_channel", &["src/progressive/"]),
     ("egui", &["src/viewer/"]),
     ("eframe", &["src/viewer/"]),
     ("clap", &["src/cli/"]),
+    ("anstream", &["src/cli/talk.rs"]),
+    ("anstyle", &["src/cli/talk.rs"]),
     // Intervals, and the chances of the proofs.
     ("statrs", &["src/film/interval.rs", "src/measure/check/statistics.rs"]),
     ("flip_rs", &["src/measure/flip.rs"]),

@@ -30,7 +30,7 @@ fn floor(half: f64) -> SceneBuilder {
 
 /// Looks at a point of the floor through a very small window.
 fn look(b: &mut SceneBuilder, eye: DVec3, target: DVec3) {
-    b.camera = Some(Camera::look_at(eye, target, 1e-5).unwrap());
+    b.camera = Some(Camera::look_at(eye, target, 1e-6).unwrap());
 }
 
 /// Light that comes straight from lamps; the error of the mean is that between seeds.
@@ -79,10 +79,12 @@ fn a_sphere_lamp_of_any_apparent_size_has_its_form_factor() {
         // So bright that the floor is of radiance KD cos.
         let lamp = lamp(&mut b, d2 / (radius * radius));
         b.sphere(DVec3::new(aside, 0.0, height), radius, lamp).unwrap();
-        // Along the floor, below the ball's belly: from the far side, flat enough.
+        // Below the ball's belly, from the far side: flat enough, and close enough to see nothing
+        // but floor through the window.
         let gap: f64 = height - radius + 0.5 * aside * aside;
         let slope = (0.7 * (2.0 * gap).sqrt()).min(0.3);
-        look(&mut b, DVec3::new(-2.0, 0.0, 2.0 * slope), DVec3::ZERO);
+        let back = if gap < 0.1 { 0.1 } else { 2.0 };
+        look(&mut b, DVec3::new(-back, 0.0, back * slope), DVec3::ZERO);
         let expected = KD * height / d2.sqrt();
         for strategy in [Strategy::Mis, Strategy::LightOnly] {
             let case = format!("R {radius} h {height} x {aside} {strategy:?}");
@@ -111,9 +113,11 @@ fn inside_a_lamp_all_directions_are_bright() {
                 look(&mut b, DVec3::new(-0.3, 0.0, 0.6), DVec3::new(x, 0.0, 0.0));
                 for strategy in Strategy::ALL {
                     let case = format!("shape {shape}, floor {half}, at {x} {strategy:?}");
-                    // Asked alone, a corner nearby is seldom chosen and near: noisy.
-                    let relative = if strategy == Strategy::LightOnly { 0.05 } else { 4e-3 };
-                    assert_mean(&case, direct(&b, strategy, 256), KD * 3.0, relative);
+                    // A wall next to the point, asked by its area, is seldom asked where it is near.
+                    if strategy == Strategy::LightOnly && shape > 0 && x > 1.0 {
+                        continue;
+                    }
+                    assert_mean(&case, direct(&b, strategy, 256), KD * 3.0, 4e-3);
                 }
             }
         }
@@ -158,6 +162,9 @@ fn lamps_without_area_are_left_out() {
     let picture = |with_speck: bool, sky: f32| {
         let mut b = floor(3.0);
         let lamp = lamp(&mut b, 1e12);
+        // The speck is within the bounds of this.
+        let black = b.material(Material::reflecting("", [0.0; 3], [0.0; 3], 0.0).unwrap());
+        b.sphere(far + DVec3::Z, 0.5, black).unwrap();
         if with_speck {
             assert_eq!(b.mesh(&speck, DAffine3::IDENTITY, lamp).unwrap().kept, 1);
         }

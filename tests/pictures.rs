@@ -3,7 +3,8 @@
 mod support;
 
 use burnish::picture::{Curve, Format, NAN_COLOUR, Picture, SaveError, Tone};
-use burnish::picture::{check_writable, read_exr, replace_file, write};
+use burnish::picture::{check_writable, read_exr, read_recipe, replace_file};
+use burnish::picture::{write, write_with_recipe};
 use std::fs;
 use std::io;
 use std::path::Path;
@@ -129,6 +130,151 @@ fn png_holds_the_codes_of_a_ramp() {
     write(&path, &picture, tone(2.0, Curve::Srgb)).unwrap();
     for (code, pixel) in image::open(&path).unwrap().to_rgb8().pixels().enumerate() {
         assert_eq!(pixel.0[2], code as u8);
+    }
+}
+
+/// A flat picture between two codes holds both, mixed so that the mean of every block of 32x32
+/// pixels is right to 1/128 of a code. White noise would be off by more in every other block: its
+/// standard deviation is 1/107 to 1/64.
+#[test]
+fn dither_keeps_the_mean_of_every_block() {
+    for (curve, fraction) in
+        Curve::ALL.into_iter().flat_map(|c| [0.1, 0.25, 0.5, 0.9].map(|f| (c, f)))
+    {
+        // The radiance whose exact value is 100 + fraction codes, by bisection of the two greys
+        // that are shown as the codes to both sides.
+        let code_of = |x: f32| Tone { exposure: 0.0, curve }.exact([x; 3])[0];
+        let edge = |code: u8| {
+            let (mut low, mut high) = (0.0f32, 1.0f32);
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if code_of(middle) < code { low = middle } else { high = middle }
+            }
+            f64::from(high)
+        };
+        // `exact` rounds: 100 begins at 99.5. Between its ends a code is nearly linear.
+        let [from, to] = [edge(100), edge(101)];
+        let level = 99.5 + fraction;
+        let grey = (from + (to - from) * fraction) as f32;
+        let picture = Picture { width: 128, height: 96, pixels: vec![[grey; 3]; 128 * 96] };
+        let codes = Tone { exposure: 0.0, curve }.dithered(&picture);
+        let around = [level.floor() as u8, level.floor() as u8 + 1];
+        assert!(codes.iter().all(|c| around.contains(&c[0]) && c[0] == c[1] && c[1] == c[2]));
+        for (x, y) in (0..4).flat_map(|x| (0..3).map(move |y| (32 * x, 32 * y))) {
+            let block = (0..1024).map(|i| codes[(y + i / 32) * 128 + x + i % 32][0]);
+            let mean = block.map(f64::from).sum::<f64>() / 1024.0;
+            assert!((mean - level).abs() < 1.0 / 128.0, "{curve:?} {level} at {x} {y}: {mean}");
+        }
+    }
+}
+
+/// A slow ramp, 16 columns a code: dithered, the mean of every column is that of the exact values,
+/// where rounding is off by up to half a code.
+#[test]
+fn dither_takes_the_bands_out_of_a_ramp() {
+    let (width, height) = (128, 256);
+    let light = |code: f64| ((code / 255.0 + 0.055) / 1.055).powf(2.4) as f32;
+    let level = |x: usize| 80.0 + x as f64 / 16.0;
+    let row: Vec<_> = (0..width).map(|x| [light(level(x)); 3]).collect();
+    let picture = Picture { width: 128, height: 256, pixels: row.repeat(height) };
+    let codes = Tone::default().dithered(&picture);
+    assert_eq!(codes, Tone::default().dithered(&picture));
+    let mut rounded = vec![[0; 3]; codes.len()];
+    Tone::default().rgb8(&picture.pixels, &mut rounded);
+    let worst = |codes: &[[u8; 3]]| {
+        let off = |x: usize| {
+            let column = (0..height).map(|y| f64::from(codes[y * width + x][1]));
+            (column.sum::<f64>() / height as f64 - level(x)).abs()
+        };
+        (0..width).map(off).fold(0.0, f64::max)
+    };
+    let [dithered, banded] = [worst(&codes), worst(&rounded)];
+    assert!(dithered < 0.02 && banded > 0.4, "{dithered} and {banded}");
+}
+
+#[test]
+fn black_white_and_what_is_no_number_are_not_dithered() {
+    let odd = [0.0, -1.0, f32::NEG_INFINITY, 1e9, f32::INFINITY, f32::NAN];
+    let white = (Curve::Srgb, 1.0);
+    for (curve, x) in Curve::ALL.into_iter().flat_map(|c| odd.map(|x| (c, x))).chain([white]) {
+        let tone = tone(0.0, curve);
+        let picture = Picture { width: 50, height: 40, pixels: vec![[x; 3]; 2000] };
+        assert!(tone.dithered(&picture).iter().all(|c| *c == tone.exact([x; 3])), "{tone:?} {x}");
+    }
+}
+
+const RECIPE: &str = "{\"recipe\": \"tea, 3 minutes\", \"name\": \"Würfel 立方体\"}\n";
+
+#[test]
+fn a_recipe_comes_back_from_both_kinds_of_file_and_changes_no_pixel() {
+    let folder = tempfile::tempdir().unwrap();
+    let pixels = (0..600).map(|i| [i as f32 / 600.0, 0.3, 1.5]).collect();
+    let picture = Picture { width: 30, height: 20, pixels };
+    for kind in ["png", "exr"] {
+        let [with, without] =
+            ["with", "without"].map(|n| folder.path().join(n.to_owned() + "." + kind));
+        for text in [RECIPE, "", &"long ".repeat(100_000)] {
+            write_with_recipe(&with, &picture, Tone::default(), text).unwrap();
+            // OpenEXR knows no empty strings.
+            if kind == "png" || !text.is_empty() {
+                assert_eq!(read_recipe(&with).unwrap().as_deref(), Some(text), "{kind}");
+            }
+        }
+        write_with_recipe(&with, &picture, Tone::default(), RECIPE).unwrap();
+        write(&without, &picture, Tone::default()).unwrap();
+        assert_eq!(read_recipe(&without).unwrap(), None);
+        let [a, b] = [&with, &without].map(|path| image::open(path).unwrap().to_rgb32f());
+        assert_eq!(a.dimensions(), (30, 20));
+        assert_eq!(a, b);
+    }
+    let exr = read_exr(&folder.path().join("with.exr")).unwrap();
+    assert_eq!(exr, picture);
+}
+
+#[test]
+fn what_has_no_recipe_is_an_error_or_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    for kind in ["png", "exr"] {
+        let path = at(&format!("a.{kind}"));
+        let text = read_recipe(&path).unwrap_err().to_string();
+        assert!(text.contains("cannot be opened"), "{text}");
+        for bytes in [&b""[..], b"no picture", b"\x89PNG\r\n\x1a\n", b"v/1\x01\x02\0\0\0"] {
+            fs::write(&path, bytes).unwrap();
+            let text = read_recipe(&path).unwrap_err().to_string();
+            assert!(text.contains(&format!("a.{kind}")) && text.contains(".exr files"), "{text}");
+        }
+    }
+    fs::write(at("a.txt"), "x").unwrap();
+    assert!(read_recipe(&at("a.txt")).unwrap_err().to_string().contains("unknown kind"));
+}
+
+/// One to four bytes changed, all before the pixels: a recipe, none, or an error, never a panic.
+#[test]
+fn recipes_of_damaged_files_are_text_or_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut random = Random::new(11);
+    for kind in ["png", "exr"] {
+        let path = folder.path().join(format!("a.{kind}"));
+        write_with_recipe(&path, &Picture::black(20, 9), Tone::default(), RECIPE).unwrap();
+        let whole = fs::read(&path).unwrap();
+        let (mut read, mut errors) = (0, 0);
+        for _ in 0..500 {
+            let mut bytes = whole.clone();
+            for _ in 0..=random.bits() % 4 {
+                let place = random.bits() as usize % bytes.len().min(500);
+                bytes[place] = [0, 255, random.bits() as u8][random.bits() as usize % 3];
+            }
+            fs::write(&path, &bytes).unwrap();
+            match read_recipe(&path) {
+                Ok(_) => read += 1,
+                Err(error) => {
+                    assert!(error.to_string().contains("a.") && !error.to_string().is_empty());
+                    errors += 1;
+                }
+            }
+        }
+        assert!(read > 20 && errors > 20, "{kind}: {read} read, {errors} errors");
     }
 }
 

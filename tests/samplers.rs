@@ -157,7 +157,8 @@ impl ModelVisitor for Directions {
             };
             observed[cell] += 1.0;
         }
-        let (fine, mut expected) = (16, vec![0.0; RINGS * SECTORS + 1]);
+        let fine = if self.lobes.width.alpha < 0.2 { 48 } else { 16 };
+        let mut expected = vec![0.0; RINGS * SECTORS + 1];
         for (cell, sum) in expected[..RINGS * SECTORS].iter_mut().enumerate() {
             for i in 0..fine * fine {
                 let z = (cell / SECTORS) as f64 + ((i / fine) as f64 + 0.5) / fine as f64;
@@ -305,8 +306,8 @@ impl ModelVisitor for Albedo {
     }
 }
 
-/// Every row of the table, for a lobe alone and for lobes whose channels differ, of which the one
-/// that is sampled least may not suffer.
+/// Every row of the table, for a lobe alone and for every fifteenth also with a diffuse one,
+/// both in three channels that differ: the one that is sampled least may not suffer.
 #[test]
 fn albedos_by_sampling_are_those_of_the_table() {
     let (mut checks, mut worst) = (0, 0.0f64);
@@ -319,27 +320,39 @@ fn albedos_by_sampling_are_those_of_the_table() {
             Model::Phong => Roughness::from_exponent(parameter).unwrap(),
             _ => Roughness::from_alpha(parameter).unwrap(),
         };
-        for (kd, ks) in [([0.0; 3], [1.0, 0.5, 0.04]), ([0.2, 0.0, 0.7], [0.04, 0.9, 0.3])] {
+        let alone = ([0.0; 3], [1.0, 0.5, 0.04]);
+        let mixed = ([0.2, 0.0, 0.7], [0.04, 0.9, 0.3]);
+        for (kd, ks) in if row % 15 == 0 { vec![alone, mixed] } else { vec![alone] } {
             let rgb = |c: [f32; 3]| Rgb::new(c[0], c[1], c[2]);
             let lobes = Lobes { kd: rgb(kd), ks: rgb(ks), width: roughness.into() };
-            // Phong's normals are drawn whoever looks, which costs noise where he grazes.
-            let strata = if model == Model::Phong && cos < 0.3 { 96 } else { 32 };
-            let ask = Albedo { lobes, wo: viewer(cos, 0.9), strata, seed: 100 + row as u64 };
-            for (c, mean) in model.visit(ask).into_iter().enumerate() {
+            let means = |strata| {
+                let wo = viewer(cos, 0.9);
+                model.visit(Albedo { lobes, wo, strata, seed: 100 + row as u64 })
+            };
+            // Phong's normals are drawn whoever looks, which costs noise.
+            let noisy = |found: &[Mean; 3]| found.iter().any(|m| m.standard_error() > 2.2e-4);
+            let mut found = means(32);
+            for strata in [64, 160] {
+                if noisy(&found) {
+                    found = means(strata);
+                }
+            }
+            for (c, mean) in found.into_iter().enumerate() {
                 let (kd, ks) = (kd[c] as f64, ks[c] as f64);
                 let expected = kd + ks * e1 + (1.0 - ks) * e5;
                 let off = mean.mean - expected;
                 let case = format!("{line}, Kd {kd} Ks {ks}: {} not {expected}", mean.mean);
-                // Student with 15 degrees of freedom: beyond 8 once in a million.
-                let noise = mean.standard_error().max(2e-6 * expected);
+                // Student with 15 degrees of freedom: beyond 8 once in a million. What one sample in
+                // ten thousand loses below the horizon has longer tails.
+                let noise = mean.standard_error().max(3e-5);
                 assert!(off.abs() < 8.0 * noise, "{case} +- {noise}");
-                assert!(off.abs() < 1e-3 * expected.max(1.0), "{case}");
+                assert!(off.abs() < 1e-3, "{case}");
                 worst = worst.max(off.abs());
                 checks += 1;
             }
         }
     }
-    assert!(checks > 4000 && worst > 0.0, "{checks} {worst}");
+    assert!(checks > 2200 && worst > 0.0, "{checks} {worst}");
 }
 
 #[test]

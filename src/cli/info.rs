@@ -119,7 +119,9 @@ fn materials(recipe: &Recipe) -> String {
 }
 
 fn edited_line(m: &MaterialRecipe) -> String {
-    let place = m.line.map_or(String::new(), |line| format!(" (line {line})"));
+    // A material without a comment above it is called by its line already.
+    let line = m.line.map(|line| format!("line {line}")).filter(|line| !m.name.ends_with(line));
+    let place = line.map_or(String::new(), |line| format!(" ({line})"));
     format!("{}{place}: {}", m.name, numbers(m.kd, m.ks, m.exponent, m.emission))
 }
 

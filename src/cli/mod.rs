@@ -6,23 +6,27 @@
 mod brdf;
 mod check;
 mod compare;
+mod completions;
 mod figures;
 mod info;
 mod interrupt;
+mod jobs;
 mod progress;
 mod render;
 mod report;
 mod scene;
 mod snapshots;
 mod stats;
+mod talk;
 mod values;
 mod window;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::process::ExitCode;
 use std::time::Instant;
+use talk::{Volume, say};
 
 /// Shows how Phong, Beckmann and GGX surfaces look, in a path-traced picture that gets better as
 /// you watch. Without a subcommand it opens the window.
@@ -31,8 +35,15 @@ use std::time::Instant;
 #[command(after_help = "Examples:
   burnish                                   the built-in scene in the window
   burnish table.scn                         a scene of yours
-  burnish render table.scn -o table.png     the same without a window")]
+  burnish render table.scn -o table.png     the same without a window
+  burnish help render                       all about a subcommand")]
 struct Args {
+    /// Says nothing but errors.
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Says more: what is in the scene, threads, instruction set, times.
+    #[arg(short, long, global = true)]
+    verbose: bool,
     #[command(flatten)]
     window: window::Args,
     #[command(subcommand)]
@@ -44,6 +55,7 @@ enum Command {
     Brdf(brdf::Args),
     Check(check::Args),
     Compare(compare::Args),
+    Completions(completions::Args),
     Info(info::Args),
     Render(Box<render::Args>),
     Report(report::Args),
@@ -53,11 +65,17 @@ enum Command {
 pub(crate) fn main() -> ExitCode {
     let started = Instant::now();
     let args = Args::parse();
+    if args.quiet {
+        talk::set(Volume::Quiet);
+    } else if args.verbose {
+        talk::set(Volume::Verbose);
+    }
     let result = match args.command {
         None => window::open(args.window),
         Some(Command::Brdf(args)) => brdf::run(&args),
         Some(Command::Check(args)) => check::run(&args),
         Some(Command::Compare(args)) => compare::run(&args),
+        Some(Command::Completions(args)) => completions::run(&args),
         Some(Command::Info(args)) => info::run(&args),
         Some(Command::Render(args)) => render::run(&args, started),
         Some(Command::Report(args)) => report::run(&args),
@@ -66,11 +84,21 @@ pub(crate) fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure(text)) => {
             if let Some(text) = text {
-                say(format_args!("burnish: {text}"));
+                talk::error(text);
             }
             ExitCode::FAILURE
         }
     }
+}
+
+/// The arguments that there are.
+fn command() -> clap::Command {
+    Args::command()
+}
+
+/// Ends the program as clap does where arguments make no sense together: exit code 2.
+fn misused(text: impl Display) -> ! {
+    command().error(clap::error::ErrorKind::ValueValidation, text).exit()
 }
 
 /// Why nothing came of it, in one line that says what to do: exit code 1. `None` when whoever
@@ -95,9 +123,4 @@ impl From<io::Error> for Failure {
 /// A line on stdout.
 fn print(line: impl Display) -> Result<(), Failure> {
     Ok(writeln!(io::stdout().lock(), "{line}")?)
-}
-
-/// A line on stderr. That nobody listens is no reason to end.
-fn say(line: impl Display) {
-    let _ = writeln!(io::stderr().lock(), "{line}");
 }

@@ -1,6 +1,6 @@
 //! How far a render is: a bar on a terminal, a line now and then elsewhere.
 
-use super::say;
+use super::talk::{Volume, loud, say};
 use burnish::progressive::{Snapshot, StopRule};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, IsTerminal};
@@ -34,7 +34,7 @@ impl Progress {
     /// Begins to count the time.
     pub(super) fn start(goal: Goal) -> Progress {
         let now = Instant::now();
-        let bar = io::stderr().is_terminal().then(|| {
+        let bar = (loud(Volume::Normal) && io::stderr().is_terminal()).then(|| {
             let bar = ProgressBar::with_draw_target(Some(LENGTH), ProgressDrawTarget::stderr());
             let style = ProgressStyle::with_template("{bar:32} {percent:>3} %  {msg}  ETA {eta}");
             bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))

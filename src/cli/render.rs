@@ -1,10 +1,13 @@
 //! `burnish render`: a picture without a window.
 
+use super::jobs::{Job, jobs};
 use super::progress::{self, Goal, Progress};
 use super::scene::{self, Loaded};
 use super::snapshots::next;
 use super::stats::{self, Stats};
-use super::{Failure, interrupt, say, values};
+use super::talk::{detail, note, say, warning};
+use super::values::{self, Chosen};
+use super::{Failure, interrupt, misused};
 use burnish::brdf::{Erratum, Model, Normals, Roughness};
 use burnish::measure::energy::remarks;
 use burnish::picture::{Curve, Picture, Tone, check_writable};
@@ -22,18 +25,23 @@ use std::time::{Duration, Instant};
 #[command(after_help = "Examples:
   burnish render -o ball.png
   burnish render table.scn -o table.exr -o table.png --model ggx --alpha 0.1 --passes 512
-  burnish render table.scn -o table.png --time 60 --size 1600x1200 --exposure -1 --tone filmic")]
+  burnish render table.scn -o table.png --time 60 --size 1600x1200 --exposure -1 --tone filmic
+  burnish render cornell plates my.scn --model all -o out/{name}-{model}.png    nine pictures")]
 pub(super) struct Args {
-    /// Scene to render: a .scn, .obj or .ply file. The built-in scene without one.
-    scene: Option<PathBuf>,
+    /// Scenes to render: .scn, .obj or .ply files, or names of shipped ones. The built-in scene
+    /// without one.
+    scenes: Vec<PathBuf>,
     /// Picture to write; may be given more than once. The name ends in .png (8-bit sRGB) or .exr
-    /// (linear 32-bit float, untouched by --exposure and --tone). `burnish info` shows how it was made.
+    /// (linear 32-bit float, untouched by --exposure and --tone). In it {name} stands for the
+    /// scene's file without folder and ending, {model} for the model; so they do in --stats.
+    /// `burnish info` shows how it was made.
     #[arg(short, long = "output", value_name = "FILE", required = true)]
     #[arg(value_parser = values::picture)]
     outputs: Vec<PathBuf>,
-    /// Which BRDF.
-    #[arg(long, default_value = "ggx", value_parser = values::model())]
-    model: Model,
+    /// Which BRDF: phong, beckmann, ggx, some of them with commas between, or all.
+    #[arg(long = "model", value_name = "MODELS", default_value = "ggx",
+          value_parser = values::chosen(Model::ALL, Model::name))]
+    models: Chosen<Model>,
     /// Roughness alpha of every material, 0.0001 to 1. Without it and --exponent each material
     /// keeps its own.
     #[arg(long, value_name = "A", value_parser = values::alpha)]
@@ -96,34 +104,71 @@ pub(super) struct Args {
     stats: Option<PathBuf>,
 }
 
-/// Renders and writes; `started` is when the program began.
-pub(super) fn run(args: &Args, started: Instant) -> Result<(), Failure> {
+/// Renders and writes all of them; `started` is when the program began.
+pub(super) fn run(args: &Args, mut started: Instant) -> Result<(), Failure> {
+    let jobs = jobs(&args.scenes, &args.models.0, &args.outputs, args.stats.as_deref())
+        .unwrap_or_else(|why| misused(why));
     // Known now, not after an hour.
-    for path in args.outputs.iter().chain(&args.stats) {
+    for path in jobs.iter().flat_map(Job::files) {
         check_writable(path).map_err(Failure::new)?;
     }
+    args.scenes.iter().try_for_each(|path| scene::exists(path))?;
     interrupt::listen()?;
-    if let Some(erratum) = args.erratum {
-        warn(erratum, args.model);
+    let mut done = 0;
+    for jobs_of_scene in jobs.chunk_by(|a, b| a.scene == b.scene) {
+        let loaded = scene::load(jobs_of_scene[0].scene.as_deref())?;
+        for job in jobs_of_scene {
+            done += 1;
+            if jobs.len() > 1 {
+                say(format_args!("{done} of {}: {}", jobs.len(), job.title()));
+            }
+            let interrupted = render(args, job, &loaded, started)?;
+            if interrupted && done < jobs.len() {
+                let (left, of) = (jobs.len() - done, jobs.len());
+                return Err(Failure::new(format_args!("{left} of {of} pictures are not begun")));
+            }
+            started = Instant::now();
+        }
     }
-    let loaded = scene::load(args.scene.as_deref())?;
-    let params = args.params(&loaded.scene);
+    Ok(())
+}
+
+/// Renders one and writes it; returns whether Ctrl-C ended it.
+fn render(args: &Args, job: &Job, loaded: &Loaded, started: Instant) -> Result<bool, Failure> {
+    if let Some(erratum) = args.erratum {
+        warn(erratum, job.model);
+    }
+    let params = args.params(&loaded.scene, job.model);
     energy(&params);
+    detail(describe(&params, args.threads));
     let traced = trace(args, params.clone(), started)?;
-    tell(&traced.snapshot, traced.interrupted);
+    tell(&traced);
     if traced.snapshot.counts.paths == 0 {
         return Err(Failure::new("stopped before the first sample: nothing is written"));
     }
     let picture = traced.snapshot.mean();
     let tone = Tone { exposure: args.exposure, curve: args.tone };
     let recipe = Recipe::new(&params, &traced.snapshot);
-    for path in &args.outputs {
+    for path in &job.outputs {
         recipe.save(path, &picture, tone).map_err(Failure::new)?;
+        detail(format_args!("written: {}", path.display()));
     }
-    match &args.stats {
-        Some(path) => stats(args, &loaded, &traced, &picture).write(path),
-        None => Ok(()),
+    if let Some(path) = &job.stats {
+        stats(args, job.model, loaded, &traced, &picture).write(path)?;
     }
+    Ok(traced.interrupted)
+}
+
+/// What is about to be rendered.
+fn describe(params: &Params, threads: usize) -> String {
+    let ([width, height], threads) = (params.size, values::worker_count(threads));
+    format!(
+        "{}, {width}x{height}, {} strategy, {} normals, seed {}, {threads} worker threads",
+        params.model.title(),
+        params.strategy.name(),
+        params.normals.name(),
+        params.seed
+    )
 }
 
 /// What the model does to the energy of this scene.
@@ -131,17 +176,17 @@ fn energy(params: &Params) {
     const MOST: usize = 4;
     let remarks = remarks(&params.materials, params.model);
     for remark in remarks.iter().take(MOST) {
-        say(format_args!("note: {remark}"));
+        note(remark);
     }
     if remarks.len() > MOST {
-        say(format_args!("note: and {} more such remarks", remarks.len() - MOST));
+        note(format_args!("and {} more such remarks", remarks.len() - MOST));
     }
 }
 
 impl Args {
-    fn params(&self, scene: &Arc<Scene>) -> Params {
+    fn params(&self, scene: &Arc<Scene>, model: Model) -> Params {
         let mut params = Params::new(scene.clone());
-        params.model = self.model;
+        params.model = model;
         params.seed = self.seed;
         params.max_depth = self.max_depth;
         params.strategy = self.strategy;
@@ -219,7 +264,7 @@ fn trace(args: &Args, params: Params, started: Instant) -> Result<Traced, Failur
     }
 }
 
-fn stats(args: &Args, loaded: &Loaded, traced: &Traced, picture: &Picture) -> Stats {
+fn stats(args: &Args, model: Model, loaded: &Loaded, traced: &Traced, picture: &Picture) -> Stats {
     let Traced { snapshot, first_image, .. } = traced;
     Stats {
         load_s: loaded.load_s,
@@ -238,7 +283,7 @@ fn stats(args: &Args, loaded: &Loaded, traced: &Traced, picture: &Picture) -> St
         mean: stats::mean(picture),
         nonfinite: snapshot.counts.nonfinite,
         capped: snapshot.counts.capped,
-        model: args.model.name(),
+        model: model.name(),
         strategy: args.strategy.name(),
         normals: args.normals.name(),
         erratum: args.erratum.map(Erratum::name),
@@ -254,36 +299,44 @@ fn stats(args: &Args, loaded: &Loaded, traced: &Traced, picture: &Picture) -> St
 /// Says which mistake is being made, or that it is none with this model.
 fn warn(erratum: Erratum, model: Model) {
     match erratum.model() {
-        Some(other) if other != model => say(format_args!(
-            "note: {} is about {} and has no effect on {}",
+        Some(other) if other != model => note(format_args!(
+            "{} is about {} and has no effect on {}",
             erratum.name(),
             other.title(),
             model.title()
         )),
-        _ => say(format_args!("warning: this picture is wrong on purpose: {erratum}")),
+        _ => warning(format_args!("this picture is wrong on purpose: {erratum}")),
     }
 }
 
 /// What there is to know about a finished render.
-fn tell(snapshot: &Snapshot, interrupted: bool) {
-    let early = if interrupted { "stopped by Ctrl-C: " } else { "" };
+fn tell(traced: &Traced) {
+    let Traced { snapshot, interrupted, first_image } = traced;
+    let early = if *interrupted { "stopped by Ctrl-C: " } else { "" };
     let Snapshot { passes, seconds, counts, .. } = snapshot;
     let (done, error) = (progress::passes(*passes), progress::error(snapshot));
     say(format_args!("{early}{done} in {seconds:.2} s{error}"));
+    let millions = |n: u64| n as f64 / seconds.max(1e-9) / 1e6;
+    detail(format_args!(
+        "{:.2} M paths/s, {:.2} M rays/s; every pixel had a sample after {:.3} s",
+        millions(counts.paths),
+        millions(counts.rays),
+        first_image.map_or(f64::NAN, |t| t.as_secs_f64())
+    ));
     if snapshot.error.is_some_and(|e| !e.reliable) {
-        say("note: the error is not yet reliable: too few passes, or a handful of pixels owns it");
+        note("the error is not yet reliable: too few passes, or a handful of pixels owns it");
     }
     if *passes == 0 {
-        say("warning: not every pixel has a sample yet; the rest is black");
+        warning("not every pixel has a sample yet; the rest is black");
     }
     if counts.nonfinite > 0 {
         let n = counts.nonfinite;
-        say(format_args!(
-            "warning: {n} samples were NaN or infinite and are left out; their pixels are wrong"
+        warning(format_args!(
+            "{n} samples were NaN or infinite and are left out; their pixels are wrong"
         ));
     }
     if counts.capped > 0 {
         let n = counts.capped;
-        say(format_args!("note: {n} paths were ended by the safety cap on their length"));
+        note(format_args!("{n} paths were ended by the safety cap on their length"));
     }
 }

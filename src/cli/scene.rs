@@ -1,8 +1,9 @@
 //! The scene that the command line names, read and built.
 
-use super::{Failure, say};
+use super::{Failure, talk};
 use burnish::scene::builtin::{Example, default_scene};
-use burnish::scene::{Camera, Report, Scene, SceneBuilder};
+use burnish::scene::{Camera, Light, Report, Scene, SceneBuilder};
+use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -23,21 +24,60 @@ pub(super) fn load(path: Option<&Path>) -> Result<Loaded, Failure> {
     let (builder, report) = read(path)?;
     let load_s = start.elapsed().as_secs_f64();
     for warning in &report.warnings {
-        say(format_args!("warning: {warning}"));
+        talk::warning(warning);
     }
     for note in &report.notes {
-        say(format_args!("note: {note}"));
+        talk::note(note);
     }
     let start = Instant::now();
     let scene = Arc::new(builder.build());
-    Ok(Loaded { scene, load_s, build_s: start.elapsed().as_secs_f64() })
+    let loaded = Loaded { scene, load_s, build_s: start.elapsed().as_secs_f64() };
+    talk::detail(&loaded);
+    Ok(loaded)
+}
+
+impl fmt::Display for Loaded {
+    /// What there is in the scene and how long it took, in two lines.
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let (scene, counts) = (&self.scene, self.scene.counts());
+        let emits = |light: &&Light| scene.materials()[light.material as usize].emits();
+        let lights = scene.surfaces().iter().filter(emits).count();
+        writeln!(
+            f,
+            "{}: {} triangles, {} spheres, {} cylinders, {} materials, {} shapes that emit",
+            scene.name(),
+            counts.triangles,
+            counts.spheres,
+            counts.cylinders,
+            scene.materials().len(),
+            lights
+        )?;
+        write!(
+            f,
+            "read in {:.3} s, tree built in {:.3} s: {:.1} MiB, {} levels, met by {}",
+            self.load_s,
+            self.build_s,
+            scene.bvh().bytes() as f64 / 1048576.0,
+            scene.bvh().depth(),
+            scene.bvh().isa().name()
+        )
+    }
+}
+
+/// Whether there is such a file or shipped scene, before the work for others begins.
+pub(super) fn exists(path: &Path) -> Result<(), Failure> {
+    if path.exists() || example(path).is_some() { Ok(()) } else { read(Some(path)).map(drop) }
+}
+
+fn example(path: &Path) -> Option<&'static Example> {
+    // A file of that name comes first.
+    path.to_str().and_then(Example::named).filter(|_| !path.exists())
 }
 
 /// Reads the same without building it; the remarks are the caller's.
 pub(super) fn read(path: Option<&Path>) -> Result<(SceneBuilder, Report), Failure> {
     let Some(path) = path else { return default_scene().map_err(Failure::new) };
-    // A file of that name comes first.
-    match path.to_str().and_then(Example::named).filter(|_| !path.exists()) {
+    match example(path) {
         Some(example) => example.read().map_err(Failure::new),
         None => burnish::scene::read::open(path).map_err(Failure::new),
     }

@@ -12,8 +12,8 @@ pub(super) struct Stats {
     pub(super) load_s: f64,
     /// Building the tree.
     pub(super) build_s: f64,
-    /// From the start of the program to the first picture in which every pixel has a sample; null
-    /// when the render ended before.
+    /// From the start of the program, or of its turn among several, to the first picture in which
+    /// every pixel has a sample; null when the render ended before.
     pub(super) first_image_s: Option<f64>,
     /// Rendering alone.
     pub(super) render_s: f64,

@@ -56,7 +56,8 @@ impl Cylinder {
                 return None;
             }
             let q = b + (a * discriminant).sqrt().copysign(b);
-            let (t0, t1) = if b > 0.0 { (c / q, q / a) } else { (q / a, c / q) };
+            // q has the sign of b, that of a zero included: from the axis itself b is one.
+            let (t0, t1) = if q > 0.0 { (c / q, q / a) } else { (q / a, c / q) };
             enter = enter.max(t0);
             leave = leave.min(t1);
         } else if c > 0.0 {
@@ -73,23 +74,28 @@ impl Cylinder {
     pub fn surface(&self, p: V3) -> SurfacePoint {
         let mut q = self.frame.to_local(p - self.base);
         let across = (q.x * q.x + q.y * q.y).sqrt();
+        let size = self.radius + self.radius + self.height;
+        let error = (self.base.abs() + V3::splat(size)) * (12.0 * ROUNDING);
+        // A point that rounding has put past the seam lies outside the other part, and what leaves
+        // it would leave the cylinder: so none is closer to the seam than that.
+        let seam = (error.max_component() * 2.0).min(self.radius.min(self.height) * 0.5);
         let side = (across - self.radius).abs();
         let n = if side <= q.z.abs().min((q.z - self.height).abs()) {
             let scale = self.radius / across;
             q.x *= scale;
             q.y *= scale;
+            q.z = q.z.max(seam).min(self.height - seam);
             V3::new(q.x / self.radius, q.y / self.radius, 0.0)
-        } else if q.z + q.z < self.height {
-            q.z = 0.0;
-            V3::new(0.0, 0.0, -1.0)
         } else {
-            q.z = self.height;
-            V3::new(0.0, 0.0, 1.0)
+            let scale = ((self.radius - seam) / across).min(1.0);
+            q.x *= scale;
+            q.y *= scale;
+            let top = q.z + q.z >= self.height;
+            q.z = if top { self.height } else { 0.0 };
+            V3::new(0.0, 0.0, if top { 1.0 } else { -1.0 })
         };
         let n = self.frame.to_world(n).normalize();
         let p = self.base + self.frame.to_world(q);
-        let size = self.radius + self.radius + self.height;
-        let error = (self.base.abs() + V3::splat(size)) * (12.0 * ROUNDING);
         SurfacePoint { p, ng: n, ns: n, error }
     }
 

@@ -51,7 +51,15 @@ pub fn replace_file(
     path: &Path,
     content: impl FnOnce(&mut dyn Sink) -> io::Result<()>,
 ) -> Result<(), SaveError> {
-    let failed = |source| SaveError::Write { path: path.to_path_buf(), source };
+    let failed = |source: io::Error| {
+        use io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull};
+        let source = match source.kind() {
+            // The kind alone: the full text names the temporary file, which tells the user nothing.
+            kind @ (StorageFull | QuotaExceeded | FileTooLarge) => kind.into(),
+            _ => source,
+        };
+        SaveError::Write { path: path.to_path_buf(), source }
+    };
     let (target, aside) = open_aside(path)?;
     let mut buffer = BufWriter::new(aside);
     content(&mut buffer).map_err(failed)?;

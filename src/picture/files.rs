@@ -108,7 +108,10 @@ fn write_to(
             return Err(io::Error::new(io::ErrorKind::InvalidInput, text));
         }
         match format {
-            Format::Png => as_png(picture, tone, recipe, sink),
+            Format::Png => as_png(picture, tone, recipe, sink).map_err(|e| match e {
+                png::EncodingError::IoError(e) => e,
+                other => io::Error::other(other),
+            }),
             Format::Exr => as_exr(picture, recipe, sink),
         }
     })
@@ -119,7 +122,7 @@ fn as_png(
     tone: Tone,
     recipe: Option<&str>,
     sink: &mut dyn Sink,
-) -> io::Result<()> {
+) -> Result<(), png::EncodingError> {
     let mut encoder = png::Encoder::new(sink, picture.width, picture.height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
@@ -129,7 +132,7 @@ fn as_png(
     }
     let mut writer = encoder.write_header()?;
     writer.write_image_data(tone.dithered(picture).as_flattened())?;
-    Ok(writer.finish()?)
+    writer.finish()
 }
 
 fn as_exr(picture: &Picture, recipe: Option<&str>, sink: &mut dyn Sink) -> io::Result<()> {

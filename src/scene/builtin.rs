@@ -55,7 +55,7 @@ pub const EXAMPLES: [Example; 7] = [
     Example {
         name: "gallery",
         title: "Gallery",
-        shows: "copper, lacquer and plastic from polished to rough: go through the models",
+        shows: "copper, lacquer and plastic from polished to rough: switch the models and watch",
         text: include_bytes!("../../assets/scenes/gallery.scn"),
         models: &[],
     },
@@ -76,7 +76,7 @@ pub const EXAMPLES: [Example; 7] = [
     Example {
         name: "urchin",
         title: "Sea urchins",
-        shows: "610,500 triangles under three glazes: knobs by the hundred, each with its highlight",
+        shows: "643,800 triangles under three glazes: knobs by the hundred, each with its highlight",
         text: include_bytes!("../../assets/scenes/urchin.scn"),
         models: files!["urchin.ply"],
     },
@@ -114,7 +114,8 @@ pub fn default_scene() -> Result<(SceneBuilder, Report), ReadError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Report;
+    use crate::geometry::Kind;
+    use crate::scene::{Light, Material, Report};
 
     #[test]
     fn all_read_without_a_remark() {
@@ -124,6 +125,49 @@ mod tests {
             assert!(builder.is_lit() && builder.camera.is_some(), "{}", example.name);
             assert_eq!(Example::named(example.name), Some(&example));
         }
+    }
+
+    #[test]
+    fn names_and_titles_are_told_apart() {
+        for (i, a) in EXAMPLES.iter().enumerate() {
+            assert!(a.name.bytes().all(|b| b.is_ascii_lowercase()), "{}", a.name);
+            for b in &EXAMPLES[..i] {
+                assert!(a.name != b.name && a.title != b.title && a.shows != b.shows);
+            }
+        }
+        assert_eq!(Example::named("Default"), None);
+    }
+
+    #[test]
+    fn each_shows_what_it_says() {
+        let scene = |name: &str| Example::named(name).unwrap().read().unwrap().0.build();
+        let gallery = scene("gallery");
+        // Three rows of seven, and two lamps.
+        assert_eq!(gallery.counts().spheres, 3 * 7 + 2);
+
+        let furnace = scene("furnace");
+        assert_eq!(furnace.environment(), [1.0; 3]);
+        assert!(furnace.materials().iter().all(|m| !m.emits()), "no other light");
+        let lossless =
+            |m: &Material| m.kd.iter().zip(m.ks).all(|(kd, ks)| (kd + ks - 1.0).abs() < 1e-6);
+        assert_eq!(furnace.materials().iter().filter(|m| lossless(m)).count(), 3 * 5 + 1);
+
+        let lights = scene("lights");
+        let power = |light: &Light| -> f32 {
+            let Kind::Sphere(i) = lights.geometry().kind(light.shape.first) else { return 0.0 };
+            let radius = lights.geometry().spheres[i].radius;
+            lights.materials()[light.material as usize].emission.iter().sum::<f32>()
+                * radius.powi(2)
+        };
+        let powers: Vec<f32> = lights.surfaces().iter().map(power).filter(|&p| p > 0.0).collect();
+        let weakest = powers.iter().copied().fold(f32::INFINITY, f32::min);
+        let strongest = powers.iter().copied().fold(0.0, f32::max);
+        assert_eq!(powers.len(), 200);
+        assert!((140.0..160.0).contains(&(strongest / weakest)), "{}", strongest / weakest);
+
+        let urchin = scene("urchin").counts();
+        assert!(urchin.triangles > 3 * 200_000, "{urchin:?}");
+        assert_eq!(urchin.duplicates, 0);
     }
 
     #[test]

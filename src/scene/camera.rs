@@ -41,7 +41,10 @@ impl Camera {
         if !eye.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE) {
             return Err(CameraError::Eye(eye.x, eye.y, eye.z));
         }
-        Ok(Camera { eye, ry, orientation: orientation.normalize() })
+        // What is unit stays as it is: a camera is read back from its line with the same bits.
+        let unit = (orientation.length_squared() - 1.0).abs() <= 1e-15;
+        let orientation = if unit { orientation } else { orientation.normalize() };
+        Ok(Camera { eye, ry, orientation })
     }
 
     /// From `eye` towards `target`, Z up where that is possible.

@@ -448,7 +448,10 @@ mod tests {
                 let surface = g.surface(&ray, &hit);
                 // What is in front of the point asked for is another question.
                 let reached = match asked.target.end(p, asked.wi) {
-                    End::At(q) => (q.p - surface.p).length() < 1e-5,
+                    // On a rim either face may be met.
+                    End::At(q) => {
+                        (q.p - surface.p).length() < 1e-5 && q.ng.dot(surface.ng).abs() > 0.99
+                    }
                     End::Distance(t) => (t - hit.t).abs() < 1e-5 * hit.t,
                     End::Missed => false,
                 };

@@ -234,7 +234,7 @@ fn damaged_shipped_scenes_are_scenes_or_errors() {
     assert!(good.len() >= builtin::EXAMPLES.len() + 5, "{} files", good.len());
     let mut random = Random(20_261_122);
     let (mut read, mut hits, mut traced) = ([0, 0], 0, 0);
-    for round in 0..2600 {
+    for round in 0..6000 {
         let (name, whole) = &good[round % good.len()];
         // The large one is read thousands of times slower than the others.
         if whole.len() > 100_000 && round > 13 * good.len() {

@@ -79,7 +79,7 @@ impl Viewer {
             let u = pair(&Stream::new(1, U32(0), U32(0), pass), Slot::direction(0));
             let m = (code.sample_wm)(width, wo, u);
             let dot = wo.dot(m);
-            if !(m.length2() - 1.0 < 1e-4) {
+            if !m.length2().is_finite() || (m.length2() - 1.0).abs() > 1e-4 {
                 work.strange += 1;
                 continue;
             }
@@ -259,7 +259,7 @@ fn albedo(work: &mut Work) {
             let lobes = grey(kd, ks, work.width);
             let wo = direction(cos, AZIMUTH);
             let batches = sampled_albedo(&work.code.formulas, &lobes, wo, 7, row as u32, per_batch);
-            work.strange += batches.iter().filter(|b| !(**b >= 0.0)).count() as u64;
+            work.strange += batches.iter().filter(|b| b.is_nan() || **b < 0.0).count() as u64;
             let mean = Mean::of(batches);
             let expected = exact.of(kd.into(), ks.into());
             // Of the mixture chance alone judges: how even it is depends on the choice of a lobe.

@@ -139,7 +139,7 @@ impl Work {
         let passes = if self.full { 1024 } else { 256 };
         let snapshot = render(params, passes, self.threads)?;
         let pixels = snapshot.mean().pixels;
-        let strange = pixels.iter().flatten().filter(|c| !(**c >= 0.0)).count() as u64;
+        let strange = pixels.iter().flatten().filter(|c| c.is_nan() || **c < 0.0).count() as u64;
         self.strange += snapshot.counts.nonfinite + strange;
         Ok(Mean::of(pixels.iter().map(|p| f64::from(p[1]))))
     }

@@ -14,6 +14,9 @@ pub(super) enum Problem {
     Elsewhere(ReadError),
 }
 
+/// A squared length so near 1 is that of a unit vector, rounded.
+const UNIT: f64 = 1e-15;
+
 impl<E: std::error::Error> From<E> for Problem {
     fn from(error: E) -> Problem {
         Problem::Here(error.to_string())
@@ -85,7 +88,8 @@ impl<'a> Args<'a> {
                 }
             };
         }
-        Ok(total.normalize())
+        let unit = (total.length_squared() - 1.0).abs() <= UNIT;
+        Ok(if unit { total } else { total.normalize() })
     }
 
     /// What is odd about the arguments, those included that no one took.
@@ -139,6 +143,10 @@ impl<'a> Args<'a> {
         let mut v = [0.0; N];
         for (number, name) in v.iter_mut().zip(names) {
             *number = self.number(name)?;
+        }
+        // What is unit stays as it is, so that a line that was written reads back to its bits.
+        if (v.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() <= UNIT {
+            return Ok(v);
         }
         // By the largest first, so that no square overflows or vanishes.
         let largest = v.iter().fold(0.0, |m: f64, x| m.max(x.abs()));

@@ -1,0 +1,35 @@
+#!/bin/sh
+# Makes the pictures of screenshots/ but the window's and the plot. What they are: README.md there.
+#
+#   .ci/pictures.sh [BURNISH]
+#
+# DIVIDE=64 makes all of them with so many times fewer passes, to try; FOLDER=... writes elsewhere.
+set -eu
+cd "$(dirname "$0")/.."
+
+burnish=${1:-target/release/burnish}
+folder=${FOLDER:-screenshots}
+divide=${DIVIDE:-1}
+mkdir -p "$folder"
+
+# render PASSES ARGUMENTS...
+render() {
+    passes=$(($1 / divide))
+    shift
+    "$burnish" render --passes $((passes > 0 ? passes : 1)) "$@"
+}
+
+# What the seed showed: the default scene, each model from one pass to many.
+for n in 1 8 64 512; do
+    render $n --model all --size 400x300 -o "$folder/{name}_{model}_$n.png"
+done
+render 4096 --model beckmann --size 400x300 -o "$folder/{name}_{model}_4096.png"
+
+# Large.
+render 1024 --model ggx --size 1600x1200 -o "$folder/{name}_{model}_1600x1200.png"
+
+# Every roughness with every model.
+render 1024 gallery --model all --size 960x540 -o "$folder/{name}_{model}.png"
+
+find "$folder" -name '*.png' -exec cat {} + | wc -c |
+    awk '{ printf "%.1f MB of PNG files, of 12\n", $1 / 1e6; exit !($1 < 12e6) }'

@@ -1,0 +1,305 @@
+//! Recipes from the command line: what `burnish render` writes beside its pixels, what
+//! `burnish info` says about it, and that a recipe makes the same picture again.
+
+use burnish::picture::{Picture, Tone, read_exr, read_recipe, write};
+use burnish::progressive::{Params, Recipe, render};
+use burnish::scene::builtin::default_scene;
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::sync::Arc;
+use tempfile::TempDir;
+
+fn run(folder: &TempDir, args: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_burnish"));
+    command.current_dir(folder.path()).stdin(Stdio::null()).args(args).output().unwrap()
+}
+
+fn must(folder: &TempDir, args: &[&str]) -> String {
+    let output = run(folder, args);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{args:?}: {error}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// What must fail with code 1, in one line.
+fn must_not(folder: &TempDir, args: &[&str]) -> String {
+    let output = run(folder, args);
+    assert_eq!(output.status.code(), Some(1), "{args:?}");
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(error.trim_end().lines().count(), 1, "{error}");
+    error
+}
+
+fn recipe(path: &Path) -> Recipe {
+    Recipe::parse(&read_recipe(path).unwrap().unwrap()).unwrap()
+}
+
+/// The words of a command that `burnish info` prints, as a shell splits them.
+fn shell_words(line: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    for (i, part) in line.split('\'').enumerate() {
+        if i % 2 == 1 {
+            words.last_mut().unwrap().push_str(part);
+            continue;
+        }
+        for (j, piece) in part.split(' ').enumerate() {
+            if j > 0 {
+                words.push(String::new());
+            }
+            words.last_mut().unwrap().push_str(piece);
+        }
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+const SCENE: &str = "# Two balls\nscreen 40 30\ncamera 0 -6 1 0.3 x 80\n\
+    light 9 8 7\nsphere 2 -2 3 0.5\n# Red\nbrdf 0.6 0.1 0.1 0.2 0.2 0.2 50\nsphere -1 0 0 1\n\
+    # Blue\nbrdf 0.1 0.1 0.6 0.1 0.1 0.1 9\nsphere 1 0 0 1\nenvironment 0.1 0.2 0.3\n";
+
+#[test]
+fn the_command_in_a_recipe_makes_the_same_picture_again() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("two balls.scn"), SCENE).unwrap();
+    for more in [
+        &["two balls.scn", "--passes", "5"][..],
+        &[
+            "two balls.scn",
+            "--passes",
+            "4",
+            "--alpha",
+            "0.3",
+            "--model",
+            "beckmann",
+            "--seed",
+            "18446744073709551615",
+        ],
+        &[
+            "two balls.scn",
+            "--passes",
+            "4",
+            "--exponent",
+            "200",
+            "--model",
+            "phong",
+            "--max-depth",
+            "2",
+        ],
+        &[
+            "two balls.scn",
+            "--passes",
+            "4",
+            "--camera",
+            "1 -7 2 0.31 z 9 x 78",
+            "--size",
+            "31x17",
+            "--normals",
+            "distribution",
+        ],
+        &[
+            "plates",
+            "--passes",
+            "2",
+            "--size",
+            "24x18",
+            "--strategy",
+            "bsdf",
+            "--erratum",
+            "below-horizon",
+        ],
+    ] {
+        let mut args = [&["render"], more, &["-o", "first.exr", "-o", "first.png"]].concat();
+        args.extend(["--exposure", "-1.5", "--tone", "filmic"]);
+        must(&folder, &args);
+        for kind in ["exr", "png"] {
+            let first = format!("first.{kind}");
+            let text = must(&folder, &["info", &first]);
+            let again = text.lines().find_map(|line| line.strip_prefix("again ")).unwrap();
+            let words = shell_words(again);
+            assert_eq!(words[0], "burnish", "{again}");
+            must(&folder, &words[1..].iter().map(String::as_str).collect::<Vec<_>>());
+            let [a, b] = [first, format!("again.{kind}")]
+                .map(|name| fs::read(folder.path().join(name)).unwrap());
+            assert!(a == b, "{more:?} {kind}: {again}");
+        }
+    }
+}
+
+#[test]
+fn edited_materials_come_back_by_way_of_the_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("a.scn"), SCENE).unwrap();
+    let scene = Arc::new(burnish::scene::read::open(&at("a.scn")).unwrap().0.build());
+    let mut params = Params::new(scene);
+    let materials = Arc::make_mut(&mut params.materials);
+    materials[0].emission = [1.0, 20.0, 0.3];
+    materials[2].kd = [0.123, 0.7, 0.0];
+    materials[2].roughness = burnish::brdf::Roughness::from_alpha(0.05).unwrap();
+    params.size = [33, 21];
+    let snapshot = render(params.clone(), 3, 0).unwrap();
+    let written = Recipe::new(&params, &snapshot);
+    written.save(&at("edited.exr"), &snapshot.mean(), Tone::default()).unwrap();
+    assert_eq!(recipe(&at("edited.exr")), written);
+
+    let text = must(&folder, &["info", "edited.exr"]);
+    for part in ["2 edited", "Blue (line 10): Kd 0.123 0.7 0", "emits 1 20 0.3", "a.scn  "] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let again = text.lines().find_map(|line| line.strip_prefix("again ")).unwrap().trim();
+    let (first, second) = again.split_once("; ").unwrap();
+    assert_eq!(first, "burnish info edited.exr --scene > edited.scn");
+    fs::write(at("edited.scn"), must(&folder, &["info", "edited.exr", "--scene"])).unwrap();
+    let words = shell_words(second);
+    must(&folder, &words[1..].iter().map(String::as_str).collect::<Vec<_>>());
+    assert_eq!(read_exr(&at("again.exr")).unwrap(), snapshot.mean());
+}
+
+#[test]
+fn a_recipe_names_scene_models_error_and_tone() {
+    let folder = tempfile::tempdir().unwrap();
+    let args = ["render", "-o", "a.png", "-o", "a.exr", "--size", "32x24", "--passes", "16"];
+    must(&folder, &[&args[..], &["--exposure", "0.5", "--tone", "reinhard"]].concat());
+    let json: Value = serde_json::from_str(&must(&folder, &["info", "a.png", "--json"])).unwrap();
+    assert_eq!((&json["recipe"], &json["passes"]), (&Value::from(1), &Value::from(16)));
+    assert_eq!(json["paths"], 32 * 24 * 16);
+    assert_eq!(
+        (&json["tone"]["exposure"], &json["tone"]["curve"]),
+        (&Value::from(0.5), &Value::from("reinhard"))
+    );
+    assert_eq!(json["scene"]["example"], "default");
+    let files = json["scene"]["files"].as_array().unwrap();
+    let source = default_scene().unwrap().0.source;
+    assert_eq!(files.len(), 4);
+    for (file, known) in files.iter().zip(&source.files) {
+        assert_eq!(file["name"], known.name.as_str());
+        assert_eq!(file["sha256"], known.sha256.as_str());
+    }
+    assert_eq!(json["scene"]["text"].as_str(), source.text.as_deref());
+    let [value, low, high] =
+        ["relative", "low", "high"].map(|k| json["error"][k].as_f64().unwrap());
+    assert!(0.0 < low && low < value && value < high);
+
+    let text = must(&folder, &["info", "a.png"]);
+    for part in [
+        "A wentletrap",
+        "wentletrap.ply",
+        "16 (12288 paths",
+        "reinhard, exposure 0.5 EV",
+        "% relative",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    // Nothing of the screen is in what is for measuring.
+    let exr: Value = serde_json::from_str(&must(&folder, &["info", "a.exr", "--json"])).unwrap();
+    assert!(exr["tone"].is_null());
+    let png = Recipe { tone: None, ..recipe(&folder.path().join("a.png")) };
+    assert_eq!(png, recipe(&folder.path().join("a.exr")));
+}
+
+#[test]
+fn a_time_that_ends_within_a_pass_is_said_to() {
+    let folder = tempfile::tempdir().unwrap();
+    let args = ["render", "--size", "2000x1500", "--time", "0.2", "-o", "a.png"];
+    // A machine so slow or so fast that a pass ends on time says nothing here.
+    if run(&folder, &args).status.success() {
+        let whole = recipe(&folder.path().join("a.png")).is_whole();
+        let text = must(&folder, &["info", "a.png"]);
+        assert_eq!(text.contains("ended within a pass"), !whole, "{text}");
+    }
+}
+
+#[test]
+fn what_has_no_recipe_is_code_1_and_says_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    write(&at("bare.png"), &Picture::black(4, 4), Tone::default()).unwrap();
+    fs::write(at("broken.exr"), "no picture").unwrap();
+    let newer = format!("{{\"recipe\": {}}}", Recipe::VERSION + 1);
+    for (name, text) in [("newer.png", newer.as_str()), ("odd.exr", "{}"), ("odd.png", "tea")] {
+        let black = Picture::black(4, 4);
+        burnish::picture::write_with_recipe(&at(name), &black, Tone::default(), text).unwrap();
+    }
+    for (name, says) in [
+        ("bare.png", "no recipe"),
+        ("broken.exr", "only .png and .exr files have recipes"),
+        ("newer.png", "newer"),
+        ("odd.exr", "cannot be read"),
+        ("odd.png", "cannot be read"),
+        ("missing.png", "cannot be opened"),
+        ("missing.scn", "missing.scn"),
+        ("picture.jpg", "only .scn, .obj and .ply"),
+        ("nonsense", "must end in"),
+    ] {
+        let error = must_not(&folder, &["info", name]);
+        assert!(error.contains(name) && error.contains(says), "{name}: {error}");
+    }
+    // What it cannot understand it can still hand out.
+    assert_eq!(must(&folder, &["info", "newer.png", "--json"]).trim(), newer);
+    fs::write(at("a.scn"), SCENE).unwrap();
+    assert!(must_not(&folder, &["info", "a.scn", "--scene"]).contains("--scene is about pictures"));
+}
+
+#[test]
+fn a_scene_is_described() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.scn"), SCENE.to_owned() + "cube 1 2 3\n").unwrap();
+    let text = must(&folder, &["info", "a.scn"]);
+    for part in [
+        "0 triangles, 3 spheres, 0 cylinders",
+        "40x30 pixels",
+        "Red: Kd 0.6 0.1 0.1  Ks 0.2 0.2 0.2  a_p 50",
+        "emits 9 8 7",
+        "0.1 0.2 0.3 W/(m\u{b2} sr)",
+        "a.scn:13: unknown command `cube`",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let json: Value = serde_json::from_str(&must(&folder, &["info", "a.scn", "--json"])).unwrap();
+    assert_eq!((&json["spheres"], &json["materials"][1]["line"]), (&3.into(), &7.into()));
+    assert_eq!(json["warnings"].as_array().unwrap().len(), 1);
+    let shipped = must(&folder, &["info", "cornell"]);
+    assert!(shipped.contains("Cornell box") && shipped.contains("cornell-lamp.ply"), "{shipped}");
+}
+
+#[test]
+fn the_help_has_an_example_of_each_use() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = must(&folder, &["info", "--help"]);
+    for example in ["table.png", "table.exr --json", "table.png --scene > new.scn", "cornell"] {
+        assert!(help.contains(&format!("burnish info {example} ")), "{example}: {help}");
+    }
+}
+
+/// A file-size limit stands in for the full disk: writing fails on the way, in the system, after
+/// the first kilobytes. The old files stay and nothing is left beside them.
+#[cfg(unix)]
+#[test]
+fn a_disk_that_fills_up_costs_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    for kind in ["png", "exr"] {
+        let name = format!("old.{kind}");
+        fs::write(folder.path().join(&name), "old").unwrap();
+        // Without the trap the signal ends the program instead of failing its write.
+        let script = format!(
+            "trap '' XFSZ; ulimit -f 8; exec {} render cornell --size 200x150 --passes 1 -o {name}",
+            env!("CARGO_BIN_EXE_burnish")
+        );
+        let mut shell = Command::new("sh");
+        let output = shell.current_dir(folder.path()).args(["-c", &script]).output().unwrap();
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{error}");
+        let last = error.trim_end().lines().last().unwrap();
+        assert!(last.contains(&name) && last.contains("could not be written"), "{error}");
+        assert!(last.contains("untouched") && !last.contains(".part"), "{error}");
+        assert_eq!(fs::read(folder.path().join(&name)).unwrap(), b"old");
+    }
+    let mut names: Vec<_> = fs::read_dir(folder.path())
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    assert_eq!(names, ["old.exr", "old.png"]);
+}
