@@ -110,6 +110,8 @@ fn bad_arguments_are_code_2_and_named() {
     for args in [
         &["render"][..],
         &["compare", "a.exr"],
+        &["table.scn", "render", "-o", "never-written.png"],
+        &["--threads", "2", "render", "-o", "never-written.png"],
         &["report", "--model", "lambert"],
         &["report", "--strategy", "mis,"],
         &["report", "--exact", "-1"],

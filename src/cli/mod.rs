@@ -31,7 +31,7 @@ use talk::{Volume, say};
 /// Shows how Phong, Beckmann and GGX surfaces look, in a path-traced picture that gets better as
 /// you watch. Without a subcommand it opens the window.
 #[derive(Debug, Parser)]
-#[command(name = "burnish", version, args_conflicts_with_subcommands = true)]
+#[command(name = "burnish", version)]
 #[command(after_help = "Examples:
   burnish                                   the built-in scene in the window
   burnish table.scn                         a scene of yours
@@ -65,6 +65,10 @@ enum Command {
 pub(crate) fn main() -> ExitCode {
     let started = Instant::now();
     let args = Args::parse();
+    // Not by clap's own rule, which would forbid --quiet before a subcommand too.
+    if args.command.is_some() && args.window != window::Args::default() {
+        misused("a scene or an argument of the window stands before the subcommand");
+    }
     if args.quiet {
         talk::set(Volume::Quiet);
     } else if args.verbose {

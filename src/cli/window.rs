@@ -3,8 +3,8 @@
 use super::{Failure, values};
 use std::path::{Path, PathBuf};
 
-/// How the window opens.
-#[derive(Debug, clap::Args)]
+/// How the window opens; the default is that nothing was given.
+#[derive(Debug, Default, PartialEq, clap::Args)]
 pub(super) struct Args {
     /// Scene to open: a .scn, .obj or .ply file. The built-in scene without one.
     scene: Option<PathBuf>,
