@@ -59,6 +59,7 @@ fn cosine_means_are_the_table_s() {
 
 /// model, parameter, then largest over angle and cosine mean of the whole albedo with
 /// Kd = 1 - Ks, for Ks of 0 (in the limit), 0.04, 0.5 and 1: made by the same tables' program.
+#[allow(clippy::approx_constant)] // 1.0471 is an albedo
 const WHOLE: [(Model, f64, [f64; 8]); 15] = [
     (Model::Ggx, 0.001, [1.950, 1.0476, 1.912, 1.0457, 1.470, 1.0238, 1.000, 1.0000]),
     (Model::Ggx, 0.01, [1.777, 1.0471, 1.743, 1.0452, 1.361, 1.0233, 1.000, 0.9995]),

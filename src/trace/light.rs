@@ -378,7 +378,7 @@ mod tests {
                     match Target::SphereWithin(sphere).end(p, wi) {
                         End::Distance(t) => {
                             let t = f64::from(t);
-                            assert!(t >= 0.0 && t < 0.7 * (1.0 + 1e-6), "{ratio}: ends at {t}");
+                            assert!((0.0..0.7 * (1.0 + 1e-6)).contains(&t), "{ratio}: ends at {t}");
                         }
                         _ => panic!("{ratio}: a direction within the cone missed"),
                     }
