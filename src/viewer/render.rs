@@ -2,8 +2,7 @@
 //! workers, and hands back what they sent.
 
 use super::document::Document;
-use super::goal::{Goal, Stop};
-use burnish::progressive::{Params, ParamsError, Session, Snapshot, State};
+use burnish::progressive::{Params, ParamsError, Session, Snapshot};
 use egui::Context;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -20,8 +19,6 @@ const SHARE: f32 = 3.0;
 pub(super) struct Render {
     session: Session,
     told: Params,
-    goal: Goal,
-    /// Passes at which the workers are to stop: for good, or until the error has been looked at.
     limit: u64,
     paused: bool,
     /// What the pictures of the present parameters carry.
@@ -55,13 +52,11 @@ impl Render {
             }
         };
         let told = document.params.clone();
-        let (goal, limit) = (document.goal, document.goal.limit(0, None));
-        let session = Session::start(told.clone(), limit, threads, notify)?;
+        let session = Session::start(told.clone(), document.limit, threads, notify)?;
         let mut render = Render {
             session,
             told,
-            goal,
-            limit,
+            limit: document.limit,
             paused: false,
             epoch: 0,
             changed: Instant::now(),
@@ -81,17 +76,17 @@ impl Render {
 
     /// Passes on whatever differs from what the workers know.
     pub(super) fn tell(&mut self, document: &Document) -> Result<(), ParamsError> {
+        if document.limit != self.limit {
+            self.limit = document.limit;
+            self.session.set_limit(self.limit);
+        }
         if document.params != self.told {
             self.await_first_pixels();
             self.epoch = self.session.set(document.params.clone())?;
             self.told = document.params.clone();
-            self.aim(document.goal);
-        } else if document.goal != self.goal {
-            self.aim(document.goal);
         }
-        let paused = document.paused || self.time_is_up();
-        if paused != self.paused {
-            self.paused = paused;
+        if document.paused != self.paused {
+            self.paused = document.paused;
             if self.paused { self.session.pause() } else { self.session.resume() }
         }
         Ok(())
@@ -101,13 +96,6 @@ impl Render {
     pub(super) fn restart(&mut self) {
         self.await_first_pixels();
         self.epoch = self.session.restart();
-        self.aim(self.goal);
-    }
-
-    /// Whether the picture is what was wished for: then nothing is traced any more.
-    pub(super) fn is_done(&self) -> bool {
-        let reached = |s: &Snapshot| s.state == State::Done && s.passes >= self.limit;
-        self.current().is_some_and(reached) || self.time_is_up()
     }
 
     /// Takes the newest picture, if there is a new one.
@@ -117,10 +105,6 @@ impl Render {
             self.latency = Some(self.changed.elapsed());
         }
         self.newest = Some(snapshot);
-        let looks = |s: &Snapshot| s.state == State::Done && s.passes >= self.limit;
-        if self.goal.stop == Stop::Error && self.current().is_some_and(looks) {
-            self.aim(self.goal);
-        }
         true
     }
 
@@ -128,27 +112,6 @@ impl Render {
     pub(super) fn drawing_takes(&self, seconds: f32) {
         let wait = Duration::try_from_secs_f32(SHARE * seconds).unwrap_or(FRAME);
         self.pace.store(wait.clamp(FRAME, SLOWEST).as_millis() as u64, Ordering::Relaxed);
-    }
-
-    /// The newest picture, if it is one of the present parameters.
-    fn current(&self) -> Option<&Snapshot> {
-        self.newest.as_ref().filter(|s| s.epoch >= self.epoch)
-    }
-
-    fn time_is_up(&self) -> bool {
-        self.current().is_some_and(|s| self.goal.time_is_up(s.seconds))
-    }
-
-    /// Has the workers go on as far as it takes, from what is there.
-    fn aim(&mut self, goal: Goal) {
-        let there = self.current().map(|s| (s.passes, s.error));
-        let (passes, error) = there.unwrap_or((0, None));
-        self.goal = goal;
-        let limit = goal.limit(passes, error.as_ref());
-        if limit != self.limit {
-            self.limit = limit;
-            self.session.set_limit(limit);
-        }
     }
 
     fn await_first_pixels(&mut self) {
