@@ -1,6 +1,7 @@
 //! burnish: look at microfacet BRDFs in a path-traced picture that gets better as you watch.
 
 mod cli;
+mod shell;
 #[cfg(feature = "viewer")]
 mod viewer;
 

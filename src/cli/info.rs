@@ -1,6 +1,7 @@
 //! `burnish info`: what a picture was made of, or what is in a scene.
 
 use super::{Failure, print, scene};
+use crate::shell::{line as line_of, quoted};
 use burnish::picture::{Format, read_recipe};
 use burnish::progressive::{MaterialRecipe, Recipe};
 use burnish::scene::{Material, Report, Scene, SourceFile};
@@ -173,28 +174,15 @@ fn again(path: &Path, recipe: &Recipe) -> String {
         recipe.scene.example.clone().or(own).unwrap_or_else(|| "SCENE".to_owned())
     };
     let kind = path.extension().map_or("png".into(), |kind| kind.to_string_lossy().into_owned());
-    let words: Vec<_> = ["burnish", "render", &scene, "-o", &format!("again.{kind}")]
-        .map(str::to_owned)
-        .into_iter()
-        .chain(recipe.arguments())
-        .map(|word| quoted(&word))
-        .collect();
+    let output = format!("again.{kind}");
+    let words = ["burnish", "render", &scene, "-o", &output].map(str::to_owned);
+    let command = line_of(words.into_iter().chain(recipe.arguments()));
     let first = if edited {
         format!("burnish info {} --scene > edited.scn; ", quoted(&path.to_string_lossy()))
     } else {
         String::new()
     };
-    format!("{first}{}", words.join(" "))
-}
-
-/// A word as a shell takes it.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_alphanumeric() || "-_./=:,%+".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        word.to_owned()
-    } else {
-        format!("'{}'", word.replace('\'', r"'\''"))
-    }
+    first + &command
 }
 
 /// What is in a scene, for scripts.

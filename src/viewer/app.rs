@@ -2,6 +2,7 @@
 //! renderer what they changed. Knows egui, but not the window itself.
 
 use super::canvas::Canvas;
+use super::command;
 use super::controls::Controls;
 use super::document::Document;
 use super::energy::Energy;
@@ -11,7 +12,7 @@ use super::load::{Loaded, Loading, Source};
 use super::materials::Materials;
 use super::method::{self, MethodPanel};
 use super::notice::Notice;
-use super::open::Open;
+use super::open::{self, Open};
 use super::orbit;
 use super::proofs::Proofs;
 use super::render::Render;
@@ -36,6 +37,8 @@ pub(super) struct App {
     pub(super) document: Option<Document>,
     pub(super) render: Option<Render>,
     loading: Option<Loading>,
+    /// The scene that was asked for last, to be read again.
+    source: Source,
     saving: Option<Saving>,
     pub(super) notice: Option<Notice>,
     pub(super) canvas: Canvas,
@@ -64,6 +67,7 @@ impl App {
             document: None,
             render: None,
             loading: None,
+            source: source.clone(),
             saving: None,
             notice: None,
             canvas: Canvas::new(),
@@ -81,7 +85,7 @@ impl App {
             folder,
             full_screen: false,
         };
-        app.load(ctx, source);
+        app.load(ctx, source, false);
         app
     }
 
@@ -134,7 +138,7 @@ impl App {
                 .show(ui, |ui| self.open.ui(ui))
                 .inner;
             if let Some(path) = path {
-                self.load(&ctx, Source::File(path));
+                self.load(&ctx, Source::File(path), false);
             }
         }
         let ground = Frame::new().fill(theme::surround(ui.visuals()));
@@ -160,6 +164,7 @@ impl App {
             &Facts {
                 document: self.document.as_ref(),
                 snapshot: render.and_then(|r| r.newest.as_ref()),
+                done: render.is_some_and(Render::is_done),
                 latency: render.and_then(|r| r.latency),
                 hover: self.canvas.hover,
                 loading: self.loading.as_ref().map(|l| l.name.as_str()),
@@ -169,11 +174,16 @@ impl App {
 
     fn side(&mut self, ui: &mut Ui) -> Vec<Action> {
         let mut asked = Vec::new();
+        let mut source = None;
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             Frame::new().inner_margin(Margin::same(16)).show(ui, |ui| {
                 ui.set_max_width(theme::PANEL - 32.0);
-                let Some(document) = &mut self.document else { return };
+                let Some(document) = &mut self.document else {
+                    source = open::files(ui, &mut asked);
+                    return;
+                };
                 asked.extend(self.controls.ui(ui, document, &mut self.energy));
+                source = open::files(ui, &mut asked);
                 self.materials.ui(ui, document);
                 asked.extend(self.view.ui(ui, document));
                 self.method.ui(ui, document);
@@ -181,6 +191,9 @@ impl App {
                 self.report.ui(ui, document, &mut self.energy);
             });
         });
+        if let Some(source) = source {
+            self.load(ui.ctx(), source, false);
+        }
         asked
     }
 
@@ -224,6 +237,8 @@ impl App {
                 ctx.send_viewport_cmd(ViewportCommand::Fullscreen(self.full_screen));
             }
             Action::Save => self.save(ctx),
+            Action::Reload => self.load(ctx, self.source.clone(), true),
+            Action::CopyCommand => self.copy_command(ctx),
             _ => self.edit(ctx, action),
         }
     }
@@ -261,12 +276,14 @@ impl App {
                     document.paused = false;
                 }
             }
-            Action::Open | Action::Help | Action::Zoom | Action::FullScreen | Action::Save => {}
+            // Done without one.
+            _ => {}
         }
     }
 
-    fn load(&mut self, ctx: &Context, source: Source) {
-        match Loading::start(ctx, source) {
+    fn load(&mut self, ctx: &Context, source: Source, again: bool) {
+        self.source = source.clone();
+        match Loading::start(ctx, source, again) {
             Ok(loading) => self.loading = Some(loading),
             Err(why) => self.notice = Some(Notice::error(why)),
         }
@@ -312,10 +329,30 @@ impl App {
         }
     }
 
+    fn copy_command(&mut self, ctx: &Context) {
+        let (Some(document), Some(render)) = (&self.document, &self.render) else { return };
+        let Some(snapshot) = &render.newest else { return };
+        let made = command::again(render.told(), snapshot, document.tone, &document.source);
+        self.notice = Some(match made {
+            Ok(text) => {
+                let lines = text.lines().count();
+                let told = match lines {
+                    1 => format!("Copied: {text}"),
+                    n => format!(
+                        "Copied {n} lines: the edited scene, and the command that renders it"
+                    ),
+                };
+                ctx.copy_text(text);
+                Notice::news(told)
+            }
+            Err(why) => Notice::error(format!("no command: {why}")),
+        });
+    }
+
     fn dropped(&mut self, ctx: &Context) {
         let dropped = ctx.input(|i| i.raw.dropped_files.first().map(|f| f.path().to_path_buf()));
         if let Some(path) = dropped {
-            self.load(ctx, Source::File(path));
+            self.load(ctx, Source::File(path), false);
         }
     }
 

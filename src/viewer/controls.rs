@@ -1,7 +1,8 @@
-//! The controls that matter most: model, roughness, passes.
+//! The controls that matter most: model, roughness, when to stop.
 
 use super::document::{Document, Shown};
 use super::energy::Energy;
+use super::goal::{Goal, Stop};
 use super::keys::{self, Action};
 use super::theme;
 use super::widgets::{self, Weight};
@@ -23,7 +24,7 @@ impl Controls {
         ui.add_space(theme::GAP);
         roughness(ui, document, energy);
         widgets::rule(ui);
-        passes(ui, document);
+        stop_at(ui, document);
         let asked = asked.or(run(ui, document));
         asked.or(history(ui, document))
     }
@@ -126,21 +127,73 @@ fn applies_to(ui: &mut Ui, document: &mut Document) {
     }
 }
 
-fn passes(ui: &mut Ui, document: &mut Document) {
-    let tip = "Tracing stops after this many passes; each adds one sample to every pixel. \
-               1 to 4294967296. A higher limit goes on where it stopped.";
-    widgets::field(ui, "Pass limit", tip, |ui, label| {
-        let mut limit = document.limit;
-        let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
-        let field = DragValue::new(&mut limit)
-            .range(1..=Session::MAX_PASSES)
-            .speed((document.limit as f64 * 0.01).max(0.2))
-            .update_while_editing(false)
-            .min_size(size);
-        if ui.add_sized(size, field).labelled_by(label).on_hover_text(tip).changed() {
-            document.set_limit(limit);
+/// What it is that ends the tracing, and its figure.
+fn stop_at(ui: &mut Ui, document: &mut Document) {
+    let tip = "What ends the tracing. Another goal, or a farther one, goes on where it stopped.";
+    let chosen = document.goal.stop;
+    widgets::field(ui, "Stop at", tip, |ui, _| {
+        let place = Stop::ALL.iter().position(|&s| s == chosen).unwrap_or(0);
+        let entries = Stop::ALL.map(|s| (s.title(), ends(s).to_owned(), true));
+        if let Some(i) = widgets::segmented(ui, Weight::Quiet, place, &entries) {
+            document.goal.stop = Stop::ALL[i];
         }
     });
+    let goal = &mut document.goal;
+    let chosen = goal.stop;
+    match chosen {
+        Stop::Passes => {
+            let mut passes = goal.passes;
+            let speed = (passes as f64 * 0.01).max(0.2);
+            let field = DragValue::new(&mut passes).range(1..=Session::MAX_PASSES).speed(speed);
+            if limit(ui, "Pass limit", ends(chosen), field) {
+                document.set_limit(passes);
+            }
+        }
+        Stop::Error => {
+            let [low, high] = Goal::ERROR.map(|e| 100.0 * e);
+            let mut percent = 100.0 * goal.error;
+            let speed = 0.01 * percent;
+            let field = widgets::number(&mut percent, 3).range(low..=high).speed(speed);
+            if limit(ui, "Error limit", ends(chosen), field.suffix(" %")) {
+                goal.error = percent / 100.0;
+            }
+        }
+        Stop::Time => {
+            let [low, high] = Goal::SECONDS;
+            let mut seconds = goal.seconds;
+            let speed = 0.01 * seconds;
+            let field = widgets::number(&mut seconds, 4).range(low..=high).speed(speed);
+            if limit(ui, "Time limit", ends(chosen), field.suffix(" s")) {
+                goal.seconds = seconds;
+            }
+        }
+    }
+}
+
+fn ends(stop: Stop) -> &'static str {
+    match stop {
+        Stop::Passes => {
+            "Tracing stops after this many passes; each adds one sample to every pixel. \
+             1 to 4294967296. A higher limit goes on where it stopped."
+        }
+        Stop::Error => {
+            "Tracing stops once the upper 95 % limit of the relative error is at most this, 0.0001 \
+             to 100 %: sqrt(mean((x - r)\u{b2} / (r\u{b2} + 0.01))), r being the truth. Looked at \
+             from 64 passes on."
+        }
+        Stop::Time => {
+            "Tracing stops after this many seconds of tracing, 0.1 to 1e9 s. Pauses are not counted."
+        }
+    }
+}
+
+/// A figure over the whole width; whether it was changed.
+fn limit(ui: &mut Ui, name: &str, tip: &str, field: DragValue<'_>) -> bool {
+    widgets::field(ui, name, tip, |ui, label| {
+        let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+        let field = field.update_while_editing(false).min_size(size);
+        ui.add_sized(size, field).labelled_by(label).on_hover_text(tip).changed()
+    })
 }
 
 fn run(ui: &mut Ui, document: &Document) -> Option<Action> {
@@ -155,7 +208,11 @@ fn run(ui: &mut Ui, document: &Document) -> Option<Action> {
 }
 
 fn history(ui: &mut Ui, document: &Document) -> Option<Action> {
-    let buttons = [(Action::Undo, document.can_undo()), (Action::Redo, document.can_redo())];
+    let buttons = [
+        (Action::Undo, document.can_undo()),
+        (Action::Redo, document.can_redo()),
+        (Action::CopyCommand, true),
+    ];
     let entries = buttons
         .map(|(action, can)| (keys::binding(action).name, keys::tooltip(ui.ctx(), action), can));
     widgets::button_row(ui, &entries).map(|i| buttons[i].0)

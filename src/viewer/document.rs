@@ -1,7 +1,8 @@
 //! What the window shows and what its controls change: the one truth that all panels share.
 
+use super::goal::Goal;
 use super::history::{History, State};
-use super::load::Loaded;
+use super::load::{Loaded, Source};
 use super::orbit::Subject;
 use burnish::brdf::Roughness;
 use burnish::picture::Tone;
@@ -14,12 +15,14 @@ use std::sync::Arc;
 pub(super) struct Document {
     /// What the pixels depend on.
     pub(super) params: Params,
+    /// Where the scene was read.
+    pub(super) source: Source,
     /// What the reader had to tell.
     pub(super) report: Report,
     /// Counts the scenes opened, so that panels know a new one.
     pub(super) number: u64,
-    /// Stop at this many passes.
-    pub(super) limit: u64,
+    /// When tracing stops.
+    pub(super) goal: Goal,
     pub(super) paused: bool,
     pub(super) tone: Tone,
     /// The material last picked.
@@ -34,7 +37,7 @@ pub(super) struct Document {
 struct Settings {
     params: Params,
     tone: Tone,
-    limit: u64,
+    goal: Goal,
 }
 
 impl State for Settings {
@@ -50,13 +53,14 @@ impl State for Settings {
             now.size != was.size,
             now.seed != was.seed,
             self.tone.exposure != from.tone.exposure,
-            self.limit != from.limit,
+            Goal { stop: from.goal.stop, ..self.goal } != from.goal,
             now.max_depth != was.max_depth,
             now.model != was.model,
             now.strategy != was.strategy,
             now.normals != was.normals,
             now.erratum != was.erratum,
             self.tone.curve != from.tone.curve,
+            self.goal.stop != from.goal.stop,
         ];
         parts.iter().enumerate().map(|(i, differs)| u32::from(*differs) << i).sum()
     }
@@ -74,9 +78,8 @@ pub(super) enum Shown {
 }
 
 impl Document {
-    const PASSES: u64 = 1024;
-
-    /// A scene as it was read. Model, method, limit and tone stay those of the scene before.
+    /// A scene as it was read. Model, method, goal and tone stay those of the scene before,
+    /// and so does a camera that was moved when the same scene is read again.
     pub(super) fn open(loaded: Loaded, before: Option<&Document>) -> Document {
         let mut params = Params::new(loaded.scene);
         if let Some(before) = before {
@@ -84,15 +87,20 @@ impl Document {
             params.strategy = before.params.strategy;
             params.normals = before.params.normals;
             params.erratum = before.params.erratum;
+            let moved = before.params.camera != before.params.scene.camera();
+            if loaded.again && loaded.source == before.source && moved {
+                params.camera = before.params.camera;
+            }
         }
-        let limit = before.map_or(Self::PASSES, |b| b.limit);
+        let goal = before.map_or_else(Goal::default, |b| b.goal);
         let tone = before.map_or_else(Tone::default, |b| b.tone);
-        let settings = Settings { params: params.clone(), tone, limit };
+        let settings = Settings { params: params.clone(), tone, goal };
         Document {
             params,
+            source: loaded.source,
             report: loaded.report,
             number: before.map_or(0, |b| b.number + 1),
-            limit,
+            goal,
             paused: false,
             tone,
             picked: None,
@@ -112,7 +120,7 @@ impl Document {
     }
 
     pub(super) fn set_limit(&mut self, passes: u64) {
-        self.limit = passes.clamp(1, Session::MAX_PASSES);
+        self.goal.passes = passes.clamp(1, Session::MAX_PASSES);
     }
 
     /// Picks a material, or none: then the roughness is that of all.
@@ -186,7 +194,7 @@ impl Document {
 
     /// Takes note of changes for undo: at `now` seconds, the pointer being `down` or not.
     pub(super) fn note(&mut self, now: f64, down: bool) {
-        let settings = Settings { params: self.params.clone(), tone: self.tone, limit: self.limit };
+        let settings = Settings { params: self.params.clone(), tone: self.tone, goal: self.goal };
         self.history.note(&settings, now, down);
     }
 
@@ -211,8 +219,8 @@ impl Document {
     }
 
     fn restore(&mut self, settings: Option<Settings>) -> bool {
-        let Some(Settings { params, tone, limit }) = settings else { return false };
-        (self.params, self.tone, self.limit) = (params, tone, limit);
+        let Some(Settings { params, tone, goal }) = settings else { return false };
+        (self.params, self.tone, self.goal) = (params, tone, goal);
         true
     }
 

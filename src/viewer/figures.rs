@@ -28,6 +28,16 @@ pub(super) fn short(rate: f64) -> String {
     }
 }
 
+/// A time to come: 12 s, 3 min, 2.5 h, 4 d.
+pub(super) fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 100.0 => format!("{s:.0} s"),
+        s if s < 100.0 * 60.0 => format!("{:.0} min", s / 60.0),
+        s if s < 48.0 * 3600.0 => format!("{:.1} h", s / 3600.0),
+        s => format!("{:.0} d", s / 86400.0),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -46,6 +56,12 @@ mod tests {
         ] {
             assert_eq!(digits(value, 4), text);
         }
+    }
+
+    #[test]
+    fn times_have_the_unit_that_fits() {
+        let shown = [0.4, 99.4, 125.0, 9000.0, 4e5].map(duration);
+        assert_eq!(shown, ["0 s", "99 s", "2 min", "2.5 h", "5 d"]);
     }
 
     #[test]

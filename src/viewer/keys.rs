@@ -14,9 +14,11 @@ pub(super) enum Action {
     Restart,
     Save,
     Open,
+    Reload,
     Frame,
     Home,
     CopyCamera,
+    CopyCommand,
     Brighter,
     Darker,
     Zoom,
@@ -115,6 +117,13 @@ pub(super) const TABLE: &[Binding] = &[
         tip: "Opens a scene: .scn, .obj or .ply. Dropping a file on the window does the same.",
     },
     Binding {
+        action: Action::Reload,
+        keys: &[plain(Key::F5)],
+        name: "Reload",
+        does: "Read the scene again",
+        tip: "Reads the scene's file again. A camera that was moved stays; edits of materials go.",
+    },
+    Binding {
         action: Action::Frame,
         keys: &[plain(Key::F)],
         name: "Frame",
@@ -134,6 +143,14 @@ pub(super) const TABLE: &[Binding] = &[
         name: "Copy",
         does: "Copy the camera line",
         tip: "Copies the camera as a line for a .scn file.",
+    },
+    Binding {
+        action: Action::CopyCommand,
+        keys: &[shift(Key::V)],
+        name: "Command",
+        does: "Copy the command line",
+        tip: "Copies the command that makes this picture again without a window, with as many \
+              passes as it has. Edited materials go with it as a scene file.",
     },
     Binding {
         action: Action::Darker,

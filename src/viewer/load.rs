@@ -1,23 +1,30 @@
 //! Reading and building a scene in the background, so that the window never waits.
 
-use burnish::scene::{Report, Scene, builtin, read};
+use burnish::scene::builtin::{EXAMPLES, Example};
+use burnish::scene::{Report, Scene, read};
 use egui::Context;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 /// Where a scene comes from.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum Source {
-    /// The one that comes with burnish.
-    Builtin,
+    /// One that comes with burnish.
+    Example(&'static Example),
     File(PathBuf),
+}
+
+impl Default for Source {
+    fn default() -> Source {
+        Source::Example(&EXAMPLES[0])
+    }
 }
 
 impl Source {
     fn name(&self) -> String {
         match self {
-            Source::Builtin => "the built-in scene".to_owned(),
+            Source::Example(example) => example.title.to_owned(),
             Source::File(path) => path.display().to_string(),
         }
     }
@@ -27,6 +34,10 @@ impl Source {
 pub(super) struct Loaded {
     pub(super) scene: Arc<Scene>,
     pub(super) report: Report,
+    /// Where it was read.
+    pub(super) source: Source,
+    /// It is to be seen from where the one before was seen, if that came from the same place.
+    pub(super) again: bool,
 }
 
 /// A scene on its way.
@@ -37,8 +48,8 @@ pub(super) struct Loading {
 }
 
 impl Loading {
-    /// Starts; repaints once the result is there.
-    pub(super) fn start(ctx: &Context, source: Source) -> Result<Loading, String> {
+    /// Starts to read a scene, or to read it `again`; repaints once the result is there.
+    pub(super) fn start(ctx: &Context, source: Source, again: bool) -> Result<Loading, String> {
         let name = source.name();
         let (send, result) = channel();
         let ctx = ctx.clone();
@@ -46,7 +57,7 @@ impl Loading {
             .name("scene".to_owned())
             .spawn(move || {
                 // Nobody listens any more when another scene has been opened meanwhile.
-                let _ = send.send(build(&source));
+                let _ = send.send(build(source, again));
                 drop(send);
                 ctx.request_repaint();
             })
@@ -67,11 +78,11 @@ impl Loading {
     }
 }
 
-fn build(source: &Source) -> Result<Loaded, String> {
-    let read = match source {
-        Source::Builtin => builtin::default_scene(),
+fn build(source: Source, again: bool) -> Result<Loaded, String> {
+    let read = match &source {
+        Source::Example(example) => example.read(),
         Source::File(path) => read::open(path),
     };
     let (builder, report) = read.map_err(|e| e.to_string())?;
-    Ok(Loaded { scene: Arc::new(builder.build()), report })
+    Ok(Loaded { scene: Arc::new(builder.build()), report, source, again })
 }

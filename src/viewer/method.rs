@@ -5,10 +5,7 @@ use super::theme;
 use super::widgets::{self, Badge, Weight};
 use burnish::brdf::{Erratum, Model, Normals};
 use burnish::progressive::{Params, Strategy};
-use egui::{
-    Align2, Area, ComboBox, Frame, Id, Margin, Order, Rect, RectAlign, Response, RichText, Tooltip,
-    Ui, vec2,
-};
+use egui::{Align2, Area, ComboBox, Frame, Id, Margin, Order, Rect, RichText, Ui, vec2};
 
 pub(super) struct MethodPanel;
 
@@ -62,10 +59,10 @@ fn erratum(ui: &mut Ui, params: &mut Params) {
             .show_ui(ui, |ui| {
                 theme::quiet_choice(ui);
                 let none = ui.selectable_value(&mut params.erratum, None, "None");
-                beside(&none, "Everything right.");
+                widgets::beside(&none, "Everything right.");
                 for e in Erratum::ALL {
                     let entry = ui.selectable_value(&mut params.erratum, Some(e), e.title());
-                    beside(&entry, &describe(e, params.model));
+                    widgets::beside(&entry, &describe(e, params.model));
                 }
             });
         menu.response.labelled_by(label).on_hover_text(tip);
@@ -73,13 +70,6 @@ fn erratum(ui: &mut Ui, params: &mut Params) {
     if let Some(e) = params.erratum {
         ui.weak(describe(e, params.model));
     }
-}
-
-/// A tooltip at the left, where it hides no other entry.
-fn beside(entry: &Response, text: &str) {
-    let mut tip = Tooltip::for_enabled(entry);
-    tip.popup = tip.popup.align(RectAlign::LEFT_START);
-    tip.show(|ui| ui.label(text));
 }
 
 fn describe(e: Erratum, model: Model) -> String {

@@ -9,10 +9,12 @@
 mod app;
 mod background;
 mod canvas;
+mod command;
 mod controls;
 mod document;
 mod energy;
 mod figures;
+mod goal;
 mod help;
 mod history;
 mod keys;
@@ -128,7 +130,7 @@ impl Shell {
         if let Some(light) = options.light {
             ctx.set_theme(if light { egui::Theme::Light } else { egui::Theme::Dark });
         }
-        let source = options.scene.clone().map_or(Source::Builtin, Source::File);
+        let source = options.scene.clone().map_or_else(Source::default, Source::File);
         // An empty path is the working directory.
         Shell { app: App::new(ctx, source, options.threads, PathBuf::new()), smoke }
     }

@@ -1,8 +1,11 @@
-//! The line in which the path of a scene is typed.
+//! Ways to another scene: the line in which a path is typed, and the menu of shipped ones.
 
+use super::keys::{self, Action};
+use super::load::Source;
 use super::{theme, widgets};
+use burnish::scene::builtin::EXAMPLES;
 use egui::text::CCursorRange;
-use egui::{Id, Key, TextEdit, Ui};
+use egui::{Button, ComboBox, Id, Key, TextEdit, Ui};
 use std::path::PathBuf;
 
 #[derive(Default)]
@@ -55,6 +58,36 @@ impl Open {
         self.shown = false;
         Some(PathBuf::from(path))
     }
+}
+
+/// The buttons that open and reload, and the menu of shipped scenes. Returns the one chosen there.
+pub(super) fn files(ui: &mut Ui, asked: &mut Vec<Action>) -> Option<Source> {
+    let mut chosen = None;
+    let width = (ui.available_width() - 2.0 * theme::GAP) / 3.0;
+    ui.horizontal(|ui| {
+        let size = egui::vec2(width, theme::ROW);
+        for action in [Action::Open, Action::Reload] {
+            let button = Button::new(keys::binding(action).name).min_size(size);
+            let tip = keys::tooltip(ui.ctx(), action);
+            if ui.add_sized(size, button).on_hover_text(tip).clicked() {
+                asked.push(action);
+            }
+        }
+        let menu = ComboBox::from_id_salt("examples")
+            .width(ui.available_width())
+            .selected_text("Examples")
+            .show_ui(ui, |ui| {
+                for example in &EXAMPLES {
+                    let entry = ui.selectable_label(false, example.title);
+                    widgets::beside(&entry, example.shows);
+                    if entry.clicked() {
+                        chosen = Some(Source::Example(example));
+                    }
+                }
+            });
+        menu.response.accessible_name("Examples").on_hover_text("Scenes that come with burnish.");
+    });
+    chosen
 }
 
 /// So that typing replaces the path before.

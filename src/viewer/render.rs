@@ -2,7 +2,8 @@
 //! workers, and hands back what they sent.
 
 use super::document::Document;
-use burnish::progressive::{Params, ParamsError, Session, Snapshot};
+use super::goal::{Goal, Stop};
+use burnish::progressive::{Params, ParamsError, Session, Snapshot, State};
 use egui::Context;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -19,6 +20,8 @@ const SHARE: f32 = 3.0;
 pub(super) struct Render {
     session: Session,
     told: Params,
+    goal: Goal,
+    /// Passes at which the workers are to stop: for good, or until the error has been looked at.
     limit: u64,
     paused: bool,
     /// What the pictures of the present parameters carry.
@@ -52,11 +55,13 @@ impl Render {
             }
         };
         let told = document.params.clone();
-        let session = Session::start(told.clone(), document.limit, threads, notify)?;
+        let (goal, limit) = (document.goal, document.goal.limit(0, None));
+        let session = Session::start(told.clone(), limit, threads, notify)?;
         let mut render = Render {
             session,
             told,
-            limit: document.limit,
+            goal,
+            limit,
             paused: false,
             epoch: 0,
             changed: Instant::now(),
@@ -76,17 +81,17 @@ impl Render {
 
     /// Passes on whatever differs from what the workers know.
     pub(super) fn tell(&mut self, document: &Document) -> Result<(), ParamsError> {
-        if document.limit != self.limit {
-            self.limit = document.limit;
-            self.session.set_limit(self.limit);
-        }
         if document.params != self.told {
             self.await_first_pixels();
             self.epoch = self.session.set(document.params.clone())?;
             self.told = document.params.clone();
+            self.aim(document.goal);
+        } else if document.goal != self.goal {
+            self.aim(document.goal);
         }
-        if document.paused != self.paused {
-            self.paused = document.paused;
+        let paused = document.paused || self.time_is_up();
+        if paused != self.paused {
+            self.paused = paused;
             if self.paused { self.session.pause() } else { self.session.resume() }
         }
         Ok(())
@@ -96,6 +101,13 @@ impl Render {
     pub(super) fn restart(&mut self) {
         self.await_first_pixels();
         self.epoch = self.session.restart();
+        self.aim(self.goal);
+    }
+
+    /// Whether the picture is what was wished for: then nothing is traced any more.
+    pub(super) fn is_done(&self) -> bool {
+        let reached = |s: &Snapshot| s.state == State::Done && s.passes >= self.limit;
+        self.current().is_some_and(reached) || self.time_is_up()
     }
 
     /// Takes the newest picture, if there is a new one.
@@ -105,6 +117,10 @@ impl Render {
             self.latency = Some(self.changed.elapsed());
         }
         self.newest = Some(snapshot);
+        let looks = |s: &Snapshot| s.state == State::Done && s.passes >= self.limit;
+        if self.goal.stop == Stop::Error && self.current().is_some_and(looks) {
+            self.aim(self.goal);
+        }
         true
     }
 
@@ -112,6 +128,27 @@ impl Render {
     pub(super) fn drawing_takes(&self, seconds: f32) {
         let wait = Duration::try_from_secs_f32(SHARE * seconds).unwrap_or(FRAME);
         self.pace.store(wait.clamp(FRAME, SLOWEST).as_millis() as u64, Ordering::Relaxed);
+    }
+
+    /// The newest picture, if it is one of the present parameters.
+    fn current(&self) -> Option<&Snapshot> {
+        self.newest.as_ref().filter(|s| s.epoch >= self.epoch)
+    }
+
+    fn time_is_up(&self) -> bool {
+        self.current().is_some_and(|s| self.goal.time_is_up(s.seconds))
+    }
+
+    /// Has the workers go on as far as it takes, from what is there.
+    fn aim(&mut self, goal: Goal) {
+        let there = self.current().map(|s| (s.passes, s.error));
+        let (passes, error) = there.unwrap_or((0, None));
+        self.goal = goal;
+        let limit = goal.limit(passes, error.as_ref());
+        if limit != self.limit {
+            self.limit = limit;
+            self.session.set_limit(limit);
+        }
     }
 
     fn await_first_pixels(&mut self) {

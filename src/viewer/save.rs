@@ -84,7 +84,7 @@ pub(super) fn stem(params: &Params) -> String {
 }
 
 /// A scene's name as part of a file's: no folder, no extension, nothing unusual.
-fn plain(scene: &str) -> String {
+pub(super) fn plain(scene: &str) -> String {
     let name = Path::new(scene).file_stem().map_or(scene.into(), |s| s.to_string_lossy());
     let plain: String = name
         .chars()

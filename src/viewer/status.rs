@@ -3,6 +3,7 @@
 use super::canvas::Hover;
 use super::document::Document;
 use super::figures::{digits, percent, short};
+use super::goal::Stop;
 use super::theme;
 use burnish::progressive::{ErrorEstimate, Interval, Snapshot, State};
 use egui::{Align, Color32, Label, Layout, Rect, RichText, Ui, UiBuilder};
@@ -14,6 +15,8 @@ pub(super) struct Status;
 pub(super) struct Facts<'a> {
     pub(super) document: Option<&'a Document>,
     pub(super) snapshot: Option<&'a Snapshot>,
+    /// Whether the goal has been reached.
+    pub(super) done: bool,
     pub(super) latency: Option<Duration>,
     pub(super) hover: Option<Hover>,
     /// The scene being read, by name.
@@ -61,20 +64,27 @@ fn group(ui: &mut Ui, space: Rect, layout: Layout, body: impl FnOnce(&mut Ui)) -
 fn progress(ui: &mut Ui, document: &Document, facts: &Facts) {
     let passes = facts.snapshot.map_or(0, |s| s.passes);
     // As wide as it will get, so that what follows stays in place.
-    let width = 2 * document.limit.to_string().len() + " /  passes".len();
+    let (text, width) = match (document.goal.stop, document.goal.passes) {
+        (Stop::Passes, limit) => {
+            let width = 2 * limit.to_string().len() + " /  passes".len();
+            (format!("{passes} / {limit} passes"), width)
+        }
+        _ if passes == 1 => ("1 pass".to_owned(), "9999 passes".len()),
+        _ => (format!("{passes} passes"), "9999 passes".len()),
+    };
     figure(
         ui,
-        format!("{:<width$}", format!("{passes} / {} passes", document.limit)),
+        format!("{text:<width$}"),
         "Whole passes traced, of the limit: every pixel has at least this many samples.",
     );
     let Some(snapshot) = facts.snapshot else { return };
     nonfinite(ui, snapshot);
     let state = match &snapshot.state {
-        State::Done => "done",
         State::Failed(_) => "failed",
+        _ if facts.done => "done",
         State::Paused => "paused",
         State::Running if document.paused => "paused",
-        State::Running => "",
+        State::Running | State::Done => "",
     };
     if !state.is_empty() {
         ui.label(RichText::new(state).strong());
@@ -91,6 +101,12 @@ fn progress(ui: &mut Ui, document: &Document, facts: &Facts) {
              with its 95 % limits, estimated from independent replicates. \"-\" until they allow an \
              estimate, \"?\" while it can't be relied on: under 16 passes, or a handful of pixels \
              owns the error because their bright samples are rare.",
+        ),
+        (
+            format!("{:<16}", document.goal.ahead(snapshot)),
+            "What tracing stops at, and in how many seconds of tracing that is expected: from the \
+             paths traced, or from the error's upper 95 % limit, falling with the square root of \
+             the passes. \"-\" while it can't be told.",
         ),
         (format!("{rate:<15}"), "Camera paths a second since the first pass."),
         (format!("{latency} ms"), "From the last change to its first pixels."),
@@ -181,7 +197,12 @@ mod tests {
     /// The words of the line for a snapshot.
     fn words(width: f32, change: impl FnOnce(&mut Snapshot)) -> Vec<String> {
         let scene = Arc::new(SceneBuilder::new("empty.scn").build());
-        let loaded = crate::viewer::load::Loaded { scene, report: Report::default() };
+        let loaded = crate::viewer::load::Loaded {
+            scene,
+            report: Report::default(),
+            source: Default::default(),
+            again: false,
+        };
         let document = Document::open(loaded, None);
         let mut snapshot = Snapshot {
             epoch: 1,
@@ -197,7 +218,9 @@ mod tests {
         change(&mut snapshot);
         let line = |ui: &mut Ui| {
             let (document, snapshot) = (Some(&document), Some(&snapshot));
-            let facts = Facts { document, snapshot, latency: None, hover: None, loading: None };
+            let done = snapshot.is_some_and(|s| s.state == State::Done);
+            let facts =
+                Facts { document, snapshot, done, latency: None, hover: None, loading: None };
             Status.ui(ui, &facts);
         };
         let harness = Harness::builder().with_size([width, 28.0]).build_ui(line);
@@ -208,8 +231,14 @@ mod tests {
     #[test]
     fn what_is_not_known_is_not_told() {
         let words = words(1200.0, |_| {});
-        for expected in ["12 / 1024 passes", "rel. error -", "1.50 M paths/s", "- ms", "640 x 480"]
-        {
+        for expected in [
+            "12 / 1024 passes",
+            "rel. error -",
+            "end in 3 min",
+            "1.50 M paths/s",
+            "- ms",
+            "640 x 480",
+        ] {
             assert!(words.iter().any(|w| w == expected), "{expected}: {words:?}");
         }
     }

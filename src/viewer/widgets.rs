@@ -4,8 +4,8 @@ use super::figures::digits;
 use super::theme;
 use egui::collapsing_header::CollapsingState;
 use egui::{
-    Button, Color32, CornerRadius, DragValue, Rect, Response, Role, Sense, Shape, Stroke,
-    StrokeKind, TextStyle, Ui, Vec2, WidgetInfo, pos2, vec2,
+    Button, Color32, CornerRadius, DragValue, Rect, RectAlign, Response, Role, Sense, Shape,
+    Stroke, StrokeKind, TextStyle, Tooltip, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 
 /// How much the chosen one of a row of buttons stands out.
@@ -112,6 +112,13 @@ pub(super) fn number(value: &mut f64, significant: usize) -> DragValue<'_> {
         .max_decimals(12)
         .custom_formatter(move |x, _| digits(x, significant))
         .custom_parser(parse)
+}
+
+/// The tooltip of a menu's entry: at the left, where it hides no other entry.
+pub(super) fn beside(entry: &Response, text: &str) {
+    let mut tip = Tooltip::for_enabled(entry);
+    tip.popup = tip.popup.align(RectAlign::LEFT_START);
+    tip.show(|ui| ui.label(text));
 }
 
 /// Width of a label's text in points.

@@ -10,6 +10,10 @@ fn every_control_is_found_by_its_label() {
     {
         desk.harness.get_by_role_and_label(Role::Button, label);
     }
+    for label in ["Undo", "Redo", "Command", "Open", "Reload", "Passes", "Error", "Time"] {
+        desk.harness.get_by_role_and_label(Role::Button, label);
+    }
+    desk.harness.get_by_role_and_label(Role::ComboBox, "Examples");
     for curve in Curve::ALL {
         desk.harness.get_by_label(curve.title());
     }
@@ -165,7 +169,7 @@ fn the_pass_limit_stops_and_a_higher_one_goes_on() {
     assert_eq!(desk.newest().epoch, epoch);
     for (typed, limit) in [("0", 1), ("99999999999", 1 << 32)] {
         desk.type_into("Pass limit", typed);
-        assert_eq!(desk.doc().limit, limit);
+        assert_eq!(desk.doc().goal.passes, limit);
     }
 }
 
@@ -210,6 +214,8 @@ fn every_button_with_a_key_says_so() {
     let desk = Desk::new();
     for name in
         ["Phong", "Beckmann", "GGX", "Pause", "Restart", "Snapshot", "Home", "Frame", "Copy"]
+            .into_iter()
+            .chain(["Undo", "Redo", "Command", "Open", "Reload"])
     {
         let node = desk.harness.get_by_role_and_label(Role::Button, name);
         let description = egui_kittest::kittest::NodeT::accesskit_node(&node).description();

@@ -1,6 +1,7 @@
 //! Scenes in, snapshots out, and what the window says about them.
 
 use super::*;
+use burnish::scene::builtin::EXAMPLES;
 
 #[test]
 fn a_snapshot_is_two_numbered_files() {
@@ -69,7 +70,7 @@ fn a_dropped_scene_is_opened_and_the_settings_stay() {
     desk.until("the scene", |app| app.document.as_ref().is_some_and(|d| d.params.size == [20, 10]));
     desk.until_done(2);
     let document = desk.doc();
-    assert_eq!((document.params.model, document.limit), (Model::Phong, 2));
+    assert_eq!((document.params.model, document.goal.passes), (Model::Phong, 2));
     assert_eq!(document.tone.exposure, 0.5);
     assert_eq!(desk.newest().grid.size, [20, 10]);
 }
@@ -151,4 +152,53 @@ fn closing_at_any_moment_leaves_whole_files_or_none() {
         }
         drop(kept);
     }
+}
+
+#[test]
+fn the_menu_has_every_shipped_scene_and_opens_it() {
+    let mut desk = Desk::new();
+    desk.harness.get_by_role_and_label(Role::ComboBox, "Examples").click();
+    desk.harness.run_steps(3);
+    for example in &EXAMPLES {
+        desk.harness.get_by_role_and_label(Role::Button, example.title);
+    }
+    desk.harness.get_by_role_and_label(Role::Button, "Gallery").click();
+    desk.harness.step();
+    let named =
+        |app: &App| app.document.as_ref().is_some_and(|d| d.params.scene.name() == "Gallery");
+    desk.until("the gallery", named);
+    let gallery = EXAMPLES.iter().find(|e| e.name == "gallery").unwrap();
+    assert!(desk.doc().source == Source::Example(gallery));
+}
+
+#[test]
+fn reload_reads_the_file_again_and_a_moved_camera_stays() {
+    let mut desk = Desk::new();
+    let path = desk.folder.path().join("two.scn");
+    let edited = SCENE.replace("0.5 0.1 0.1", "0.25 0.1 0.1").replace("camera 0 -6", "camera 0 -7");
+    std::fs::write(&path, edited).unwrap();
+    let number = desk.doc().number;
+    let read = move |n: u64| move |app: &App| app.document.as_ref().is_some_and(|d| d.number == n);
+    desk.key(Key::F5);
+    desk.until("the edited scene", read(number + 1));
+    assert_eq!(desk.doc().params.materials[0].kd[0], 0.25);
+    let home = desk.doc().params.camera;
+    assert!(home == desk.doc().params.scene.camera(), "an unmoved camera is the file's");
+    desk.drag(vec2(80.0, 30.0), PointerButton::Primary, Modifiers::NONE);
+    let moved = desk.doc().params.camera;
+    assert_ne!(moved, home);
+    desk.click("Reload");
+    desk.until("the scene again", read(number + 2));
+    assert_eq!(desk.doc().params.camera, moved);
+    // Opened, it is seen as its file has it.
+    drop_file(&mut desk, &path);
+    desk.until("the scene afresh", read(number + 3));
+    assert_eq!(desk.doc().params.camera, home);
+    // What is broken and then mended is read again, too.
+    std::fs::write(&path, "sphere 0 0 zero 1\n").unwrap();
+    desk.key(Key::F5);
+    desk.until("an error", |app| app.notice.as_ref().is_some_and(|n| n.is_error));
+    std::fs::write(&path, SCENE).unwrap();
+    desk.key(Key::F5);
+    desk.until("the mended scene", read(number + 4));
 }

@@ -1,6 +1,7 @@
 //! Undo and redo of everything that can be set.
 
 use super::*;
+use crate::viewer::goal::{Goal, Stop};
 use burnish::brdf::{Erratum, Normals, Roughness};
 use burnish::progressive::Strategy;
 
@@ -9,11 +10,13 @@ const COMMAND: Modifiers = Modifiers { ctrl: true, command: true, ..Modifiers::N
 /// A change, and how to see it.
 type Case = (&'static str, fn(&mut Document));
 
-const CASES: [Case; 11] = [
+const CASES: [Case; 13] = [
     ("model", |d| d.params.model = Model::Phong),
     ("roughness", |d| d.set_roughness(Roughness::from_alpha(0.5).unwrap())),
     ("camera", |d| d.params.camera.eye.x += 1.0),
     ("passes", |d| d.set_limit(77)),
+    ("stop", |d| d.goal.stop = Stop::Error),
+    ("error", |d| d.goal.error = 0.125),
     ("exposure", |d| d.tone.exposure = -1.5),
     ("curve", |d| d.tone.curve = Curve::Filmic),
     ("strategy", |d| d.params.strategy = Strategy::LightOnly),
@@ -23,8 +26,8 @@ const CASES: [Case; 11] = [
     ("depth", |d| d.params.max_depth = Some(3)),
 ];
 
-fn state(desk: &Desk) -> (burnish::progressive::Params, burnish::picture::Tone, u64) {
-    (desk.doc().params.clone(), desk.doc().tone, desk.doc().limit)
+fn state(desk: &Desk) -> (burnish::progressive::Params, burnish::picture::Tone, Goal) {
+    (desk.doc().params.clone(), desk.doc().tone, desk.doc().goal)
 }
 
 #[test]

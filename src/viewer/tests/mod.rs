@@ -1,7 +1,9 @@
 //! The whole window but its frame, driven by label, key and pointer, with a real render behind it.
 
+mod command;
 mod controls;
 mod files;
+mod goal;
 mod history;
 mod materials;
 mod method;
@@ -113,7 +115,7 @@ impl Desk {
             app.ui(ui);
         };
         let harness = Harness::builder()
-            .with_size([1280.0, 900.0])
+            .with_size([1280.0, 1200.0])
             .renderer(card.clone())
             .build_ui_state(draw, None);
         Desk { harness, card, folder }
