@@ -30,8 +30,12 @@ impl Energy {
     /// What the lobe alone loses at the slider's roughness.
     pub(super) fn of_lobe(&mut self, ui: &mut Ui, model: Model, roughness: Roughness) {
         let known = self.lobe.ask(ui.ctx(), &(model, roughness));
-        // The figure before stands until the new one is there, milliseconds later.
-        let Some((energy, _)) = known else { return };
+        // The figure before stands until the new one is there, milliseconds later; before the first
+        // one its place is kept, or every control below would move under the pointer.
+        let Some((energy, _)) = known else {
+            ui.label(RichText::new("The lobe loses ...").weak().small());
+            return;
+        };
         let (loss, most) = (energy.loss().max(0.0), energy.most());
         let gain = if most > 1.005 {
             format!(", gains {} at grazing", percent(most - 1.0))

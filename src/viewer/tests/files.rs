@@ -157,13 +157,12 @@ fn closing_at_any_moment_leaves_whole_files_or_none() {
 #[test]
 fn the_menu_has_every_shipped_scene_and_opens_it() {
     let mut desk = Desk::new();
-    desk.harness.get_by_role_and_label(Role::ComboBox, "Examples").click();
+    desk.click_role(Role::ComboBox, "Examples");
     desk.harness.run_steps(3);
     for example in &EXAMPLES {
         desk.harness.get_by_role_and_label(Role::Button, example.title);
     }
-    desk.harness.get_by_role_and_label(Role::Button, "Gallery").click();
-    desk.harness.step();
+    desk.click_role(Role::Button, "Gallery");
     let named =
         |app: &App| app.document.as_ref().is_some_and(|d| d.params.scene.name() == "Gallery");
     desk.until("the gallery", named);

@@ -13,9 +13,9 @@ fn desk() -> Desk {
 }
 
 fn choose(desk: &mut Desk, entry: &str) {
-    desk.harness.get_by_role_and_label(Role::ComboBox, "Erratum").click();
+    desk.click_role(Role::ComboBox, "Erratum");
     desk.harness.run();
-    desk.harness.get_by_role_and_label(Role::Button, entry).click();
+    desk.click_role(Role::Button, entry);
     desk.harness.run_ok();
     desk.until_done(4);
 }
@@ -59,7 +59,7 @@ fn an_erratum_is_chosen_by_its_title_badged_and_undone() {
 #[test]
 fn every_erratum_is_in_the_menu() {
     let mut desk = desk();
-    desk.harness.get_by_role_and_label(Role::ComboBox, "Erratum").click();
+    desk.click_role(Role::ComboBox, "Erratum");
     desk.harness.run();
     for erratum in Erratum::ALL {
         desk.harness.get_by_role_and_label(Role::Button, erratum.title());

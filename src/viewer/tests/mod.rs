@@ -20,7 +20,7 @@ use burnish::progressive::{Snapshot, State};
 use egui::accesskit::Role;
 use egui::epaint::textures::TexturesDelta;
 use egui::{Color32, Event, Key, Modifiers, PointerButton, Pos2, Rect, TextureId, Vec2, vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{By, Queryable};
 use egui_kittest::{Harness, TestRenderer};
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -187,14 +187,37 @@ impl Desk {
     }
 
     fn click(&mut self, label: &str) {
-        self.harness.get_by_label(label).click();
-        self.harness.step();
+        self.click_that(By::new().label(label));
+    }
+
+    /// The control of that role, where a label stands by another one too.
+    fn click_role(&mut self, role: Role, label: &str) {
+        self.click_that(By::new().role(role).label(label));
+    }
+
+    /// Clicks once the control is where it was some frames ago: a section that opens moves those
+    /// below it.
+    fn click_that(&mut self, which: By<'_>) {
+        let start = Instant::now();
+        let mut places = [Rect::NOTHING; 3];
+        loop {
+            let node = self.harness.get(which.clone());
+            let place = node.rect();
+            if places.iter().all(|p| *p == place) {
+                node.click();
+                return self.harness.step();
+            }
+            assert!(start.elapsed() < Duration::from_secs(60), "{which:?} moves about");
+            places.rotate_left(1);
+            places[2] = place;
+            std::thread::sleep(Duration::from_millis(2));
+            self.harness.step();
+        }
     }
 
     /// Types into the field of a name and leaves it.
     fn type_into(&mut self, label: &str, text: &str) {
-        self.harness.get_by_role_and_label(Role::SpinButton, label).click();
-        self.harness.step();
+        self.click_role(Role::SpinButton, label);
         self.harness.event(Event::Text(text.to_owned()));
         self.harness.step();
         self.key(Key::Enter);
