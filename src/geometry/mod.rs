@@ -16,7 +16,9 @@ pub use bvh::Bvh;
 pub use cylinder::Cylinder;
 pub use offset::offset_origin;
 pub use sphere::Sphere;
+pub(crate) use sphere::intersect as intersect_spheres;
 pub use traverse::{Ray, Stack};
+pub(crate) use triangle::{flat_surface, shading_normal};
 
 use crate::math::V3;
 use std::ops::Range;
@@ -82,15 +84,15 @@ pub struct Hit {
 
 /// A point on a surface.
 #[derive(Clone, Copy, Debug)]
-pub struct SurfacePoint {
+pub struct SurfacePoint<L = f32> {
     /// The point, rebuilt from the shape rather than from the ray.
-    pub p: V3,
+    pub p: V3<L>,
     /// Unit geometric normal, either side.
-    pub ng: V3,
+    pub ng: V3<L>,
     /// Unit shading normal, either side.
-    pub ns: V3,
+    pub ns: V3<L>,
     /// Bound on the error of `p`, in each component.
-    pub error: V3,
+    pub error: V3<L>,
 }
 
 impl Geometry {

@@ -5,7 +5,7 @@
 //! geometric normal, by as much as the bound demands and no more: there is no absolute epsilon,
 //! and scenes of any size behave alike (after pbrt-v4, section 6.8; the bounds are our own).
 
-use crate::math::V3;
+use crate::math::{Lane, V3};
 
 /// The relative error of one rounding, 2^-24.
 pub(super) const ROUNDING: f32 = f32::EPSILON * 0.5;
@@ -13,13 +13,17 @@ pub(super) const ROUNDING: f32 = f32::EPSILON * 0.5;
 /// The point moved off its surface to the side of `towards`. `error` bounds the point's error in
 /// each component and that of meeting the surface again; `ng` is unit.
 #[inline(always)]
-pub fn offset_origin(p: V3, error: V3, ng: V3, towards: V3) -> V3 {
+pub fn offset_origin<L: Lane>(p: V3<L>, error: V3<L>, ng: V3<L>, towards: V3<L>) -> V3<L> {
     let distance = ng.abs().dot(error);
-    let offset = if ng.dot(towards) >= 0.0 { ng * distance } else { -(ng * distance) };
-    // The sum itself is rounded: go on by one more rounding.
-    let step = |p: f32, o: f32| {
-        let q = p + o;
-        q + (q.abs() * f32::EPSILON).copysign(o)
-    };
+    let outwards = ng * distance;
+    let same_side = ng.dot(towards).ge(L::splat(0.0));
+    let offset = V3::select(same_side, outwards, -outwards);
     V3::new(step(p.x, offset.x), step(p.y, offset.y), step(p.z, offset.z))
+}
+
+/// The sum itself is rounded: goes on by one more rounding.
+#[inline(always)]
+fn step<L: Lane>(p: L, o: L) -> L {
+    let q = p + o;
+    q + (q.abs() * L::splat(f32::EPSILON)).copysign(o)
 }

@@ -4,7 +4,7 @@ use super::bvh::{Bvh, Child, Node, child};
 use super::offset::ROUNDING;
 use super::triangle::{self, Sheared};
 use super::{Geometry, Hit, Kind};
-use crate::math::lanes::{Kernel, Wide, dispatch};
+use crate::math::lanes::{Kernel, Packet, Wide, dispatch};
 use crate::math::{Mask, V3};
 
 /// A ray `o + t d`; `d` need not be unit.
@@ -47,7 +47,7 @@ impl Bvh {
         impl Kernel for Closest<'_> {
             type Output = Option<Hit>;
             #[inline(always)]
-            fn run<W: Wide>(self) -> Option<Hit> {
+            fn run<W: Wide, P: Packet>(self) -> Option<Hit> {
                 self.0.closest_with::<W>(self.1, self.2, self.3, self.4)
             }
         }
@@ -60,7 +60,7 @@ impl Bvh {
         impl Kernel for Occluded<'_> {
             type Output = bool;
             #[inline(always)]
-            fn run<W: Wide>(self) -> bool {
+            fn run<W: Wide, P: Packet>(self) -> bool {
                 self.0.occluded_with::<W>(self.1, self.2, self.3, self.4)
             }
         }

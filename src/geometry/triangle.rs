@@ -3,7 +3,7 @@
 use super::offset::ROUNDING;
 use super::{Geometry, SurfacePoint};
 use crate::math::lanes::Wide;
-use crate::math::{Mask, V3};
+use crate::math::{Lane, Mask, V3};
 
 /// Hits nearer than this, in units of the scene along the ray's fastest axis, have their distance
 /// decided in f64.
@@ -180,30 +180,39 @@ fn decide_distances(
 #[inline(always)]
 pub(super) fn surface(geometry: &Geometry, triangle: usize, b: [f32; 2]) -> SurfacePoint {
     let indices = geometry.triangles[triangle];
-    let [v0, v1, v2] = indices.map(|i| geometry.positions[i as usize]);
-    let (b1, b2) = (b[0], b[1]);
-    let b0 = 1.0 - b1 - b2;
+    let flat = flat_surface(indices.map(|i| geometry.positions[i as usize]), b);
+    let n = indices.map(|i| geometry.normals[i as usize]);
+    if n.contains(&V3::default()) {
+        return flat;
+    }
+    SurfacePoint { ns: shading_normal(flat.ng, n, b), ..flat }
+}
+
+/// The surface of triangles with these corners, without regard to normals of the corners.
+#[inline(always)]
+pub(crate) fn flat_surface<L: Lane>([v0, v1, v2]: [V3<L>; 3], [b1, b2]: [L; 2]) -> SurfacePoint<L> {
+    let b0 = L::splat(1.0) - b1 - b2;
     let p = v0 * b0 + v1 * b1 + v2 * b2;
     let size = v0.abs().max_component().max(v1.abs().max_component()).max(v2.abs().max_component());
     // Rebuilding the point costs 4 roundings of the largest corner, meeting the plane again from
     // anywhere off it about 10 more. The test shears space, so that a rounding along one axis shows
     // along the others too: even a floor at height 0 exactly is met again at a height that is not.
-    let error = V3::splat(size * (16.0 * ROUNDING));
+    let error = V3::splat(size * L::splat(16.0 * ROUNDING));
     // A point that rounding has put past an edge may lie behind the neighbouring face. A step of
     // the error's size towards the middle brings it back.
-    let inwards = (v0 + v1 + v2) * (1.0 / 3.0) - p;
+    let inwards = (v0 + v1 + v2) * L::splat(1.0 / 3.0) - p;
     let reach = inwards.abs().max_component();
-    let step = 2.0 * error.x;
-    let p = if reach > step { p + inwards * (step / reach) } else { p };
-
+    let step = L::splat(2.0) * error.x;
+    let p = V3::select(reach.gt(step), p + inwards * (step / reach), p);
     let ng = (v1 - v0).cross(v2 - v0).normalize();
-    let n = indices.map(|i| geometry.normals[i as usize]);
-    let ns = if n.contains(&V3::default()) {
-        ng
-    } else {
-        let sum = n[0] * b0 + n[1] * b1 + n[2] * b2;
-        let length2 = sum.length2();
-        if length2 < 1e-12 { ng } else { sum * (1.0 / length2.sqrt()) }
-    };
-    SurfacePoint { p, ng, ns, error }
+    SurfacePoint { p, ng, ns: ng, error }
+}
+
+/// The normals of the corners blended; `ng` where they cancel.
+#[inline(always)]
+pub(crate) fn shading_normal<L: Lane>(ng: V3<L>, n: [V3<L>; 3], [b1, b2]: [L; 2]) -> V3<L> {
+    let b0 = L::splat(1.0) - b1 - b2;
+    let sum = n[0] * b0 + n[1] * b1 + n[2] * b2;
+    let length2 = sum.length2();
+    V3::select(length2.lt(L::splat(1e-12)), ng, sum * (L::splat(1.0) / length2.sqrt()))
 }

@@ -2,6 +2,7 @@
 //!
 //! Nothing here knows of scenes, BRDFs or threads; everything is a pure function of its arguments.
 
+pub(crate) mod columns;
 pub mod frame;
 pub mod lanes;
 pub mod sequence;

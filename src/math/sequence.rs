@@ -84,18 +84,27 @@ impl<B: Bits> Stream<B> {
     #[inline(always)]
     pub fn new(seed: u64, x: B, y: B, pass: u64) -> Stream<B> {
         let replicate = (pass % REPLICATES as u64) as u32;
-        let index = pass / REPLICATES as u64;
-        let block = (index >> 16) as u32;
+        let block = (pass / REPLICATES as u64 >> 16) as u32;
         // Equal for all pixels of a pass; mix is a bijection, so no two pixels share a key.
         let mut salt = mix_u32(seed as u32);
         salt = mix_u32(salt ^ (seed >> 32) as u32 ^ 0x9e37_79b9);
         salt = mix_u32(salt.wrapping_add(block));
         salt = mix_u32(salt ^ (replicate << 28 | 0x0123_4567));
         let pixel = mix((y << 16) | x);
-        Stream {
-            key: mix(pixel ^ B::splat(salt)),
-            reversed: B::splat(((index as u32) & 0xffff).reverse_bits() >> 16),
-        }
+        Stream::again(mix(pixel ^ B::splat(salt)), pass)
+    }
+
+    /// The stream that has this [`Stream::key`] in `pass`.
+    #[inline(always)]
+    pub(crate) fn again(key: B, pass: u64) -> Stream<B> {
+        let index = (pass / REPLICATES as u64) as u32 & 0xffff;
+        Stream { key, reversed: B::splat(index.reverse_bits() >> 16) }
+    }
+
+    /// What tells it from other pixels' streams in its pass.
+    #[inline(always)]
+    pub(crate) fn key(&self) -> B {
+        self.key
     }
 
     /// The pair of a slot as 32-bit integers: uniform fixed-point numbers in [0, 1).

@@ -75,6 +75,14 @@ impl<L: Lane> V3<L> {
     }
 }
 
+impl V3 {
+    /// This vector in every lane.
+    #[inline(always)]
+    pub fn splat_lanes<L: Lane>(self) -> V3<L> {
+        V3 { x: L::splat(self.x), y: L::splat(self.y), z: L::splat(self.z) }
+    }
+}
+
 impl<L: Lane> Add for V3<L> {
     type Output = Self;
     #[inline(always)]
@@ -157,6 +165,11 @@ impl<L: Lane> Rgb<L> {
 impl Rgb {
     /// No light.
     pub const BLACK: Rgb = Rgb { r: 0.0, g: 0.0, b: 0.0 };
+    /// This colour in every lane.
+    #[inline(always)]
+    pub fn splat_lanes<L: Lane>(self) -> Rgb<L> {
+        Rgb { r: L::splat(self.r), g: L::splat(self.g), b: L::splat(self.b) }
+    }
     /// True when every channel is exactly zero.
     #[inline(always)]
     pub fn is_black(self) -> bool {

@@ -2,7 +2,7 @@
 
 use super::{Camera, Placement};
 use crate::geometry::Ray;
-use crate::math::V3;
+use crate::math::{Lane, V3};
 
 /// A camera made ready for a picture size.
 #[derive(Clone, Copy, Debug)]
@@ -34,9 +34,22 @@ impl CameraRays {
     /// y counted from the top. Its direction is unit.
     #[inline(always)]
     pub fn ray(&self, x: f32, y: f32) -> Ray {
-        let sx = x * self.step[0] - 1.0;
-        let sy = 1.0 - y * self.step[1];
-        let d = self.right * sx + self.up * sy - self.back;
-        Ray { o: self.eye, d: d.normalize() }
+        Ray { o: self.eye, d: self.direction(x, y) }
+    }
+
+    /// Where all rays start.
+    pub(crate) fn eye(&self) -> V3 {
+        self.eye
+    }
+
+    /// The directions of rays, as [`CameraRays::ray`]'s.
+    #[inline(always)]
+    pub(crate) fn direction<L: Lane>(&self, x: L, y: L) -> V3<L> {
+        let one = L::splat(1.0);
+        let sx = x * L::splat(self.step[0]) - one;
+        let sy = one - y * L::splat(self.step[1]);
+        let d =
+            self.right.splat_lanes() * sx + self.up.splat_lanes() * sy - self.back.splat_lanes();
+        d.normalize()
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::geometry::{Geometry, Kind, PrimitiveRange, Sphere, SurfacePoint};
 use crate::math::warp;
-use crate::math::{Frame, Rgb, V3};
+use crate::math::{Frame, Lane, Rgb, V3};
 use crate::scene::{Material, Scene};
 use std::f32::consts::PI;
 
@@ -211,21 +211,10 @@ impl Lights {
 
 impl Emitter {
     fn new(geometry: &Geometry, shape: PrimitiveRange, radiance: Rgb) -> Emitter {
-        let area_of = |primitive: u32| match geometry.kind(primitive) {
-            Kind::Triangle(i) => {
-                let [a, b, c] = geometry.corners(i);
-                (b - a).cross(c - a).length() * 0.5
-            }
-            Kind::Sphere(i) => 4.0 * PI * geometry.spheres[i].radius.powi(2),
-            Kind::Cylinder(i) => {
-                let c = &geometry.cylinders[i];
-                2.0 * PI * c.radius * (c.height + c.radius)
-            }
-        };
         let mut sum = 0.0f64;
         let areas: Vec<f32> = (shape.first..shape.first + shape.count)
             .map(|primitive| {
-                sum += area_of(primitive) as f64;
+                sum += area_of(geometry, primitive) as f64;
                 sum as f32
             })
             .collect();
@@ -277,6 +266,21 @@ impl Emitter {
     }
 }
 
+/// A primitive's whole surface.
+pub(super) fn area_of(geometry: &Geometry, primitive: u32) -> f32 {
+    match geometry.kind(primitive) {
+        Kind::Triangle(i) => {
+            let [a, b, c] = geometry.corners(i);
+            (b - a).cross(c - a).length() * 0.5
+        }
+        Kind::Sphere(i) => 4.0 * PI * geometry.spheres[i].radius.powi(2),
+        Kind::Cylinder(i) => {
+            let c = &geometry.cylinders[i];
+            2.0 * PI * c.radius * (c.height + c.radius)
+        }
+    }
+}
+
 #[inline(always)]
 fn sample_sphere(sphere: Sphere, p: V3, u: [f32; 2]) -> (V3, f32, Target) {
     match cone(sphere, p) {
@@ -291,17 +295,23 @@ fn sample_sphere(sphere: Sphere, p: V3, u: [f32; 2]) -> (V3, f32, Target) {
 /// Axis and `1 - cos` of the cone that a sphere fills as seen from `p` outside it; `None` inside.
 #[inline(always)]
 fn cone(sphere: Sphere, p: V3) -> Option<(V3, f32)> {
-    let towards = sphere.centre - p;
+    let (axis, one_minus_cos, outside) = cones(sphere.centre, sphere.radius, p);
+    outside.then_some((axis, one_minus_cos))
+}
+
+/// The same for lanes of spheres and points, with which of the points are outside.
+#[inline(always)]
+pub(super) fn cones<L: Lane>(centre: V3<L>, radius: L, p: V3<L>) -> (V3<L>, L, L::Mask) {
+    let one = L::splat(1.0);
+    let towards = centre - p;
     let distance = towards.length();
-    if distance <= sphere.radius {
-        return None;
-    }
-    let inverse = 1.0 / distance;
+    let inverse = one / distance;
     // cos² of the half angle, without the loss of 1 - sin² next to the surface. A small or distant
     // sphere's rounds to 1, or beyond.
-    let sin = sphere.radius * inverse;
-    let cos2 = (distance - sphere.radius) * inverse * (1.0 + sin);
-    Some((towards * inverse, (sin * sin).min(1.0) / (1.0 + cos2.min(1.0).sqrt())))
+    let sin = radius * inverse;
+    let cos2 = (distance - radius) * inverse * (one + sin);
+    let one_minus_cos = (sin * sin).min(one) / (one + cos2.min(one).sqrt());
+    (towards * inverse, one_minus_cos, distance.gt(radius))
 }
 
 #[inline(always)]
@@ -309,7 +319,13 @@ fn sphere_pdf(sphere: Sphere, p: V3) -> f32 {
     warp::cone_pdf(cone(sphere, p).map_or(2.0, |(_, one_minus_cos)| one_minus_cos))
 }
 
-fn sample_cylinder(geometry: &Geometry, index: usize, choice: f32, u: [f32; 2]) -> SurfacePoint {
+/// A point uniform over a cylinder: `choice` is for the part, `u` for where on it.
+pub(super) fn sample_cylinder(
+    geometry: &Geometry,
+    index: usize,
+    choice: f32,
+    u: [f32; 2],
+) -> SurfacePoint {
     let cylinder = &geometry.cylinders[index];
     let cap = cylinder.radius * 0.5 / (cylinder.height + cylinder.radius);
     let p = if choice < 2.0 * cap {

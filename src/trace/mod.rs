@@ -3,16 +3,21 @@
 //! [`Tracer::sample`] follows one path from the camera: at each surface it asks a light
 //! explicitly and samples the BRDF, and weighs the two ways of finding the same light against
 //! each other (Veach 1997), so that every light counts exactly once. Nothing is clamped.
+//! [`Tracer::sample_each`] does the same for hundreds of paths side by side, as many at a time as a
+//! register holds: with the same random numbers, by other orders of the same sums.
 
+mod engine;
 mod errata;
 mod light;
 mod reference;
+mod roulette;
 mod rules;
 
 use crate::brdf::{Erratum, Lobes, Normals};
 use crate::geometry::Stack;
-use crate::math::Rgb;
+use crate::math::{Lane, Rgb};
 use crate::scene::{Camera, CameraRays, Material, Scene};
+use engine::{Bundle, Tables};
 use light::Lights;
 use std::sync::Arc;
 
@@ -57,22 +62,22 @@ impl Strategy {
     /// Weight of a light met by a direction of density `pdf`, which asking would have found with
     /// density `other`.
     #[inline(always)]
-    fn met(self, pdf: f32, other: f32) -> f32 {
+    fn met<L: Lane>(self, pdf: L, other: L) -> L {
         match self {
             Strategy::Mis => power_heuristic(pdf, other),
-            Strategy::LightOnly => 0.0,
-            Strategy::BsdfOnly => 1.0,
+            Strategy::LightOnly => L::splat(0.0),
+            Strategy::BsdfOnly => L::splat(1.0),
         }
     }
 
     /// Weight of a light asked with density `pdf`, which sampling the BRDF would have met with
     /// density `other`.
     #[inline(always)]
-    fn asked(self, pdf: f32, other: f32) -> f32 {
+    fn asked<L: Lane>(self, pdf: L, other: L) -> L {
         match self {
             Strategy::Mis => power_heuristic(pdf, other),
-            Strategy::LightOnly => 1.0,
-            Strategy::BsdfOnly => 0.0,
+            Strategy::LightOnly => L::splat(1.0),
+            Strategy::BsdfOnly => L::splat(0.0),
         }
     }
 }
@@ -80,9 +85,9 @@ impl Strategy {
 /// The weight of a direction found with density `a` that another strategy finds with density `b`.
 /// The two weights of a pair sum to 1.
 #[inline(always)]
-fn power_heuristic(a: f32, b: f32) -> f32 {
+fn power_heuristic<L: Lane>(a: L, b: L) -> L {
     let ratio = b / a;
-    1.0 / (1.0 + ratio * ratio)
+    L::splat(1.0) / (L::splat(1.0) + ratio * ratio)
 }
 
 /// How light is sampled, and with which mistake if any.
@@ -112,6 +117,7 @@ pub struct Tracer {
     scene: Arc<Scene>,
     surfaces: Vec<Surface>,
     lights: Lights,
+    tables: Tables,
     camera: CameraRays,
     seed: u64,
     max_depth: u32,
@@ -130,6 +136,7 @@ struct Surface {
 #[derive(Clone, Debug)]
 pub struct Scratch {
     stack: Stack,
+    bundle: Box<Bundle>,
     /// Rays traced.
     pub rays: u64,
     /// Paths ended by [`DEPTH_CAP`].
@@ -153,6 +160,7 @@ impl Tracer {
         Tracer {
             surfaces,
             lights: Lights::new(&scene, materials, equally),
+            tables: Tables::new(&scene, materials),
             camera: CameraRays::new(camera, scene.placement(), size),
             seed,
             max_depth: max_depth.unwrap_or(u32::MAX),
@@ -163,7 +171,8 @@ impl Tracer {
 
     /// Memory for one worker.
     pub fn scratch(&self) -> Scratch {
-        Scratch { stack: self.scene.bvh().stack(), rays: 0, capped: 0 }
+        let stack = self.scene.bvh().stack();
+        Scratch { stack, bundle: Box::default(), rays: 0, capped: 0 }
     }
 }
 

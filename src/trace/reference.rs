@@ -3,30 +3,12 @@
 use super::errata::Wrong;
 use super::light::{End, LightSample};
 use super::rules::{Right, Rules};
-use super::{DEPTH_CAP, Scratch, Tracer};
+use super::{DEPTH_CAP, Scratch, Tracer, roulette};
 use crate::brdf::{Microfacet, Model};
 use crate::geometry::{Ray, SurfacePoint, offset_origin};
-use crate::math::lanes::{F32x8, Kernel, U32, Wide, dispatch};
+use crate::math::lanes::{F32x8, U32, Wide};
 use crate::math::sequence::{Slot, Stream, pair};
 use crate::math::{Frame, Rgb, V3};
-
-/// First scattering event after which a path may be ended by chance.
-const ROULETTE_FROM: u32 = 1;
-/// A path goes on for certain while its throughput is above the inverse of this. Measured on the
-/// built-in scene from the first event on: 2.5 has 7 % less error for equal time, 1 a seventh more,
-/// for every path that ends by chance costs the stratification.
-const ROULETTE_MILDNESS: f32 = 1.5;
-/// From this event on even a bright path may end, so that none is endless: event k with a chance of
-/// 2 / (k + 64). A constant chance q would leave the variance without bound wherever the albedo's
-/// square exceeds 1 - q; one that falls like this leaves it finite for every albedo below 1, and a
-/// path in a white room has 74 rays on the mean.
-const ROULETTE_ALWAYS_FROM: u32 = 8;
-
-/// Most that the chance to go on after this event may be.
-#[inline(always)]
-fn most_survival(event: u32) -> f32 {
-    if event < ROULETTE_ALWAYS_FROM { 1.0 } else { 1.0 - 2.0 / (event as f32 + 64.0) }
-}
 
 /// Shadow rays end this close to 1: a distance along a ray is known to a few roundings of the whole.
 const SHADOW_END: f32 = 1.0 - 16.0 * f32::EPSILON;
@@ -50,15 +32,13 @@ struct Pixels<'a, R> {
     rules: R,
 }
 
-impl<R: Rules> Kernel for Pixels<'_, R> {
-    type Output = ();
-    #[inline(always)]
-    fn run<W: Wide>(self) {
+impl<R: Rules> Pixels<'_, R> {
+    fn run(self) {
         for [x, y] in self.pixels {
             let stream = Stream::new(self.tracer.seed, U32(x), U32(y), self.pass);
             let [dx, dy] = pair::<f32>(&stream, Slot::CAMERA);
             let ray = self.tracer.camera.ray(x as f32 + dx, y as f32 + dy);
-            let found = self.tracer.radiance::<R, W>(&self.rules, ray, &stream, self.scratch);
+            let found = self.tracer.radiance::<R, F32x8>(&self.rules, ray, &stream, self.scratch);
             (self.each)(self.rules.kept(found));
         }
     }
@@ -69,32 +49,19 @@ impl Tracer {
     /// top. The same arguments give the same bits, always.
     pub fn sample<M: Microfacet>(&self, x: u32, y: u32, pass: u64, scratch: &mut Scratch) -> Rgb {
         let mut radiance = Rgb::BLACK;
-        self.sample_each::<M>(&mut [[x, y]].into_iter(), pass, scratch, &mut |found| {
-            radiance = found;
-        });
+        let (pixels, each) = (&mut [[x, y]].into_iter(), &mut |found| radiance = found);
+        if self.method.is_plain() {
+            let rules = Right::<M>::default();
+            Pixels { tracer: self, pixels, pass, scratch, each, rules }.run();
+        } else {
+            self.sample_each_otherwise(M::MODEL, pixels, pass, scratch, each);
+        }
         radiance
     }
 
-    /// [`Tracer::sample`] of one pixel after the other, compiled for the machine's instruction set.
-    /// The callers' parts are not generic, so that this is compiled once a model and set.
-    pub fn sample_each<M: Microfacet>(
-        &self,
-        pixels: &mut dyn Iterator<Item = [u32; 2]>,
-        pass: u64,
-        scratch: &mut Scratch,
-        each: &mut dyn FnMut(Rgb),
-    ) {
-        if !self.method.is_plain() {
-            return self.sample_each_otherwise(M::MODEL, pixels, pass, scratch, each);
-        }
-        let rules = Right::<M>::default();
-        let isa = self.scene.bvh().isa();
-        dispatch(isa, Pixels { tracer: self, pixels, pass, scratch, each, rules })
-    }
-
-    /// The same by other normals or with a mistake: compiled once for all of them, and for the
-    /// portable instruction set alone.
-    fn sample_each_otherwise(
+    /// [`Tracer::sample`] of one pixel after the other, with other normals than the visible ones or
+    /// with a mistake: compiled once for all of them.
+    pub(super) fn sample_each_otherwise(
         &self,
         model: Model,
         pixels: &mut dyn Iterator<Item = [u32; 2]>,
@@ -103,7 +70,7 @@ impl Tracer {
         each: &mut dyn FnMut(Rgb),
     ) {
         let rules = Wrong::new(self, model);
-        Pixels { tracer: self, pixels, pass, scratch, each, rules }.run::<F32x8>()
+        Pixels { tracer: self, pixels, pass, scratch, each, rules }.run()
     }
 
     #[inline(always)]
@@ -181,8 +148,8 @@ impl Tracer {
             if beta.is_black() {
                 return sum;
             }
-            if event >= ROULETTE_FROM {
-                let survival = (ROULETTE_MILDNESS * beta.max_channel()).min(most_survival(event));
+            if event >= roulette::FROM {
+                let survival = roulette::survival(event, beta.max_channel());
                 if survival < 1.0 {
                     if pair::<f32>(stream, Slot::roulette(event))[0] >= survival {
                         return sum;

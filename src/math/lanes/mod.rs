@@ -1,7 +1,7 @@
 //! Lanes: the number type that every formula of this crate is written over.
 //!
 //! A formula takes `L: Lane` and never branches on a value; it selects. So the same source serves
-//! one ray (`f32`, [`Lane::WIDTH`] 1) and eight at a time ([`F32x8`] or its AVX2 twin).
+//! one ray (`f32`, [`Lane::WIDTH`] 1), eight at a time ([`F32x8`] or its AVX2 twin) and sixteen (AVX-512).
 //! Control flow that differs between scalar and wide code lives with its callers.
 //!
 //! This is the one module that may use `unsafe`: the instruction-set shells below it.
@@ -147,32 +147,62 @@ pub trait Wide: Lane {
     fn store(self) -> [f32; 8];
 }
 
+/// A lane type as wide as the machine's registers, with a way into memory and out of it: what
+/// bundles of paths are computed with.
+pub trait Packet: Lane {
+    /// The first [`Lane::WIDTH`] numbers of a slice, which must have so many.
+    fn load(x: &[f32]) -> Self;
+    /// Into the first [`Lane::WIDTH`] places of a slice, which must have so many.
+    fn store(self, x: &mut [f32]);
+    /// [`Packet::load`] of words.
+    fn load_bits(x: &[u32]) -> Self::Bits;
+    /// [`Packet::store`] of words.
+    fn store_bits(bits: Self::Bits, x: &mut [u32]);
+    /// Lane `i` from bit `i`.
+    fn mask(bits: u32) -> Self::Mask;
+    /// `a` where the mask is set, else `b`.
+    fn select_bits(mask: Self::Mask, a: Self::Bits, b: Self::Bits) -> Self::Bits;
+    /// `a == b`
+    fn equal_bits(a: Self::Bits, b: Self::Bits) -> Self::Mask;
+    /// `a < b`
+    fn less_bits(a: Self::Bits, b: Self::Bits) -> Self::Mask;
+    /// The lanes that the mask has, side by side, into the first places of a slice of at least
+    /// [`Lane::WIDTH`]; what is left of those places holds anything.
+    fn compress(self, mask: Self::Mask, x: &mut [f32]);
+    /// [`Packet::compress`] of words.
+    fn compress_bits(bits: Self::Bits, mask: Self::Mask, x: &mut [u32]);
+    /// The entry that the low four bits of each index name.
+    fn lookup(table: &[f32; 16], index: Self::Bits) -> Self;
+}
+
 /// An instruction set the wide code can run on. Code that keeps off [`Lane::mul_add`] gets the same
-/// bits on all of them.
+/// bits on all of them; AVX2 and AVX-512 give the same bits always.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Isa {
     /// Plain Rust, compiled for the target's baseline.
     Portable,
     /// AVX2 with FMA.
     Avx2,
+    /// AVX-512 (F, DQ, BW, VL) with GFNI: Ice Lake, Zen 4 and later.
+    Avx512,
 }
 
 impl Isa {
+    /// All of them, the plainest first.
+    pub const ALL: [Isa; 3] = [Isa::Portable, Isa::Avx2, Isa::Avx512];
+
     /// The best one this machine has; asked once per tree build, not per ray.
     pub fn detect() -> Isa {
         #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-            return Isa::Avx2;
-        }
+        return x86::detect();
+        #[cfg(not(target_arch = "x86_64"))]
         Isa::Portable
     }
 
     /// Every set that this machine can run, the portable one first.
     pub fn available() -> Vec<Isa> {
-        match Isa::detect() {
-            Isa::Portable => vec![Isa::Portable],
-            best => vec![Isa::Portable, best],
-        }
+        let best = Isa::detect();
+        Isa::ALL.into_iter().take_while(|&isa| isa as u8 <= best as u8).collect()
     }
 
     /// Lower-case name as `--stats` writes it.
@@ -180,17 +210,19 @@ impl Isa {
         match self {
             Isa::Portable => "portable",
             Isa::Avx2 => "avx2",
+            Isa::Avx512 => "avx512",
         }
     }
 }
 
-/// A piece of work written over a wide lane type, to be run on an instruction set chosen at run
+/// A piece of work written over lane types, `W` for one ray against eight boxes or triangles and
+/// `P` for as many paths as the registers hold, to be run on an instruction set chosen at run
 /// time. `run` must be `#[inline(always)]`, and so must all it calls, to be compiled for that set.
 pub trait Kernel {
     /// What the work returns.
     type Output;
     /// Does the work on one instruction set.
-    fn run<W: Wide>(self) -> Self::Output;
+    fn run<W: Wide, P: Packet>(self) -> Self::Output;
 }
 
 /// Runs a kernel on `isa`, or on the portable one where the machine lacks it.
@@ -199,6 +231,8 @@ pub fn dispatch<K: Kernel>(isa: Isa, kernel: K) -> K::Output {
     match isa {
         #[cfg(target_arch = "x86_64")]
         Isa::Avx2 => x86::run_avx2(kernel),
-        _ => kernel.run::<F32x8>(),
+        #[cfg(target_arch = "x86_64")]
+        Isa::Avx512 => x86::run_avx512(kernel),
+        _ => kernel.run::<F32x8, F32x8>(),
     }
 }

@@ -1,29 +1,14 @@
 //! Eight values in an AVX2 register.
 //!
-//! Soundness: an [`Avx2`] value can only be made by code that runs under [`run_avx2`], which asks
-//! the machine first; the type is private to the crate's lanes and reaches callers only as the
-//! `W` of a [`Kernel`]. Each intrinsic call below leans on that.
+//! Soundness: an [`Avx2`] value can only be made by code that runs under [`run_avx2`](super::run_avx2)
+//! or [`run_avx512`](super::run_avx512), which ask the machine first; the type is private to the
+//! crate's lanes and reaches callers only as a parameter of a [`Kernel`](super::super::Kernel). Each
+//! intrinsic call below leans on that.
 #![allow(unsafe_code)]
 
-use super::{Bits, Isa, Kernel, Lane, Mask, Wide};
+use super::super::{Bits, Lane, Mask, Packet, Wide};
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
-
-/// Runs a kernel compiled for AVX2 and FMA; portable code where the machine lacks them.
-#[inline(always)]
-pub(super) fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
-    #[target_feature(enable = "avx2,fma")]
-    fn featured<K: Kernel>(kernel: K) -> K::Output {
-        kernel.run::<Avx2>()
-    }
-    // Cached by std after the first call: one load and one branch.
-    if Isa::detect() == Isa::Avx2 {
-        // SAFETY: the machine was just found to have avx2 and fma.
-        unsafe { featured(kernel) }
-    } else {
-        kernel.run::<super::F32x8>()
-    }
-}
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Avx2(__m256);
@@ -91,7 +76,7 @@ impl Shr<u32> for Avx2Bits {
 impl Bits for Avx2Bits {
     #[inline(always)]
     fn splat(x: u32) -> Avx2Bits {
-        // SAFETY: reached only as the lane type of a kernel under `run_avx2`.
+        // SAFETY: reached only as a lane type of a kernel under `run_avx2` or `run_avx512`.
         Avx2Bits(unsafe { _mm256_set1_epi32(x as i32) })
     }
 }
@@ -135,7 +120,7 @@ impl Lane for Avx2 {
 
     #[inline(always)]
     fn splat(x: f32) -> Avx2 {
-        // SAFETY: reached only as the lane type of a kernel under `run_avx2`.
+        // SAFETY: reached only as a lane type of a kernel under `run_avx2` or `run_avx512`.
         Avx2(unsafe { _mm256_set1_ps(x) })
     }
     #[inline(always)]
@@ -194,7 +179,7 @@ impl Wide for Avx2 {
     #[inline(always)]
     fn load(x: &[f32; 8]) -> Avx2 {
         // SAFETY: the reference is to eight readable floats; the load needs no alignment; reached
-        // only under `run_avx2`.
+        // only under `run_avx2` or `run_avx512`.
         Avx2(unsafe { _mm256_loadu_ps(x.as_ptr()) })
     }
     #[inline(always)]
@@ -206,3 +191,103 @@ impl Wide for Avx2 {
         x
     }
 }
+
+impl Packet for Avx2 {
+    #[inline(always)]
+    fn load(x: &[f32]) -> Avx2 {
+        let x: &[f32; 8] = x[..8].try_into().expect("eight of eight");
+        <Avx2 as Wide>::load(x)
+    }
+    #[inline(always)]
+    fn store(self, x: &mut [f32]) {
+        x[..8].copy_from_slice(&<Avx2 as Wide>::store(self));
+    }
+    #[inline(always)]
+    fn load_bits(x: &[u32]) -> Avx2Bits {
+        let x = &x[..8];
+        // SAFETY: the slice holds eight readable words; the load needs no alignment; reached only
+        // under `run_avx2` or `run_avx512`.
+        Avx2Bits(unsafe { _mm256_loadu_si256(x.as_ptr().cast()) })
+    }
+    #[inline(always)]
+    fn store_bits(bits: Avx2Bits, x: &mut [u32]) {
+        let x = &mut x[..8];
+        // SAFETY: the slice holds eight words; the store needs no alignment; a value of this type
+        // exists only under AVX2 (module docs).
+        unsafe { _mm256_storeu_si256(x.as_mut_ptr().cast(), bits.0) }
+    }
+    #[inline(always)]
+    fn mask(bits: u32) -> Avx2Mask {
+        // SAFETY: reached only as a lane type of a kernel under `run_avx2` or `run_avx512`.
+        unsafe {
+            let each = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+            let set = _mm256_and_si256(_mm256_set1_epi32(bits as i32), each);
+            Avx2Mask(_mm256_castsi256_ps(_mm256_cmpeq_epi32(set, each)))
+        }
+    }
+    #[inline(always)]
+    fn select_bits(mask: Avx2Mask, a: Avx2Bits, b: Avx2Bits) -> Avx2Bits {
+        // SAFETY: a value of this type exists only under AVX2 (module docs).
+        Avx2Bits(unsafe { _mm256_blendv_epi8(b.0, a.0, _mm256_castps_si256(mask.0)) })
+    }
+    #[inline(always)]
+    fn equal_bits(a: Avx2Bits, b: Avx2Bits) -> Avx2Mask {
+        // SAFETY: a value of this type exists only under AVX2 (module docs).
+        Avx2Mask(unsafe { _mm256_castsi256_ps(_mm256_cmpeq_epi32(a.0, b.0)) })
+    }
+    #[inline(always)]
+    fn less_bits(a: Avx2Bits, b: Avx2Bits) -> Avx2Mask {
+        // SAFETY: a value of this type exists only under AVX2 (module docs).
+        Avx2Mask(unsafe {
+            // Signed is all there is: both shifted by half the range.
+            let half = _mm256_set1_epi32(i32::MIN);
+            let (a, b) = (_mm256_xor_si256(a.0, half), _mm256_xor_si256(b.0, half));
+            _mm256_castsi256_ps(_mm256_cmpgt_epi32(b, a))
+        })
+    }
+    #[inline(always)]
+    fn compress(self, mask: Avx2Mask, x: &mut [f32]) {
+        let order = <Avx2 as Packet>::load_bits(&COMPRESS[mask.bits() as usize & 0xff]);
+        // SAFETY: a value of this type exists only under AVX2 (module docs).
+        let side_by_side = Avx2(unsafe { _mm256_permutevar8x32_ps(self.0, order.0) });
+        Packet::store(side_by_side, x);
+    }
+    #[inline(always)]
+    fn compress_bits(bits: Avx2Bits, mask: Avx2Mask, x: &mut [u32]) {
+        let order = <Avx2 as Packet>::load_bits(&COMPRESS[mask.bits() as usize & 0xff]);
+        // SAFETY: a value of this type exists only under AVX2 (module docs).
+        let side_by_side = Avx2Bits(unsafe { _mm256_permutevar8x32_epi32(bits.0, order.0) });
+        <Avx2 as Packet>::store_bits(side_by_side, x);
+    }
+    #[inline(always)]
+    fn lookup(table: &[f32; 16], index: Avx2Bits) -> Avx2 {
+        let low = <Avx2 as Wide>::load(table[..8].try_into().expect("eight of sixteen"));
+        let high = <Avx2 as Wide>::load(table[8..].try_into().expect("eight of sixteen"));
+        // SAFETY: a value of this type exists only under AVX2 (module docs).
+        Avx2(unsafe {
+            let a = _mm256_permutevar8x32_ps(low.0, index.0);
+            let b = _mm256_permutevar8x32_ps(high.0, index.0);
+            // Bit 3 of the index to the sign, which is what the blend reads.
+            let upper = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(index.0));
+            _mm256_blendv_ps(a, b, upper)
+        })
+    }
+}
+
+/// For every mask the lanes that it has, in order.
+static COMPRESS: [[u32; 8]; 256] = {
+    let mut table = [[0; 8]; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let (mut lane, mut place) = (0, 0);
+        while lane < 8 {
+            if mask >> lane & 1 != 0 {
+                table[mask][place] = lane;
+                place += 1;
+            }
+            lane += 1;
+        }
+        mask += 1;
+    }
+    table
+};

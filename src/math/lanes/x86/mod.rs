@@ -1,0 +1,64 @@
+//! The instruction sets of x86-64 beyond its baseline.
+#![allow(unsafe_code)]
+
+mod avx2;
+mod avx512;
+
+use super::{F32x8, Isa, Kernel};
+use avx2::Avx2;
+use avx512::Avx512;
+
+/// The best set that this machine has.
+pub(super) fn detect() -> Isa {
+    if has_avx512() {
+        Isa::Avx512
+    } else if has_avx2() {
+        Isa::Avx2
+    } else {
+        Isa::Portable
+    }
+}
+
+// The standard library remembers what it found: a load and a branch each.
+fn has_avx2() -> bool {
+    is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
+}
+
+fn has_avx512() -> bool {
+    has_avx2()
+        && is_x86_feature_detected!("avx512f")
+        && is_x86_feature_detected!("avx512dq")
+        && is_x86_feature_detected!("avx512bw")
+        && is_x86_feature_detected!("avx512vl")
+        && is_x86_feature_detected!("gfni")
+}
+
+/// Runs a kernel compiled for AVX2 and FMA; portable code where the machine lacks them.
+#[inline(always)]
+pub(super) fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
+    #[target_feature(enable = "avx2,fma")]
+    fn featured<K: Kernel>(kernel: K) -> K::Output {
+        kernel.run::<Avx2, Avx2>()
+    }
+    if has_avx2() {
+        // SAFETY: the machine was just found to have these.
+        unsafe { featured(kernel) }
+    } else {
+        kernel.run::<F32x8, F32x8>()
+    }
+}
+
+/// The same for AVX-512. What is eight wide stays so, in AVX2 registers.
+#[inline(always)]
+pub(super) fn run_avx512<K: Kernel>(kernel: K) -> K::Output {
+    #[target_feature(enable = "avx2,fma,avx512f,avx512dq,avx512bw,avx512vl,gfni")]
+    fn featured<K: Kernel>(kernel: K) -> K::Output {
+        kernel.run::<Avx2, Avx512>()
+    }
+    if has_avx512() {
+        // SAFETY: the machine was just found to have these.
+        unsafe { featured(kernel) }
+    } else {
+        run_avx2(kernel)
+    }
+}

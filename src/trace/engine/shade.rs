@@ -1,0 +1,204 @@
+//! What happens at a surface, for as many paths at a time as a register holds.
+
+use super::{Bundle, Tables};
+use crate::brdf::Microfacet;
+use crate::geometry::{SurfacePoint, offset_origin};
+use crate::math::lanes::{Lane, Mask, Packet};
+use crate::math::sequence::{Slot, Stream, pair, unit};
+use crate::math::{Frame, Rgb, V3};
+use crate::trace::{Strategy, Tracer, roulette};
+
+impl Tracer {
+    /// One scattering event of `count` paths: adds the light that they met, prepares the rays
+    /// towards lights and the rays that go on, and returns the number of those. Where it is the
+    /// `last` event nothing is prepared, and the number is that of the paths that would have gone
+    /// on.
+    #[inline(always)]
+    pub(super) fn shade<P: Packet, M: Microfacet>(
+        &self,
+        bundle: &mut Bundle,
+        count: usize,
+        event: u32,
+        pass: u64,
+        last: bool,
+    ) -> usize {
+        let zero = P::splat(0.0);
+        let geometry = self.scene.geometry();
+        let Tables { materials, lights } = &self.tables;
+        let asks = !lights.is_empty() && self.method.strategy != Strategy::BsdfOnly;
+        let mut going = 0;
+        bundle.shadows.count = 0;
+        for at in (0..count).step_by(P::WIDTH) {
+            let live = P::mask(lowest(count - at));
+            let met = bundle.met.surfaces::<P>(at);
+            let material = materials.get::<P>(bundle.met.material.load::<P>(at));
+            let d = bundle.paths.d.load::<P>(at);
+            let beta = bundle.paths.beta.load_rgb::<P>(at);
+            let hit = live & met.hit;
+            let missed = live & !met.hit;
+            if missed.any() {
+                self.add_environment::<P>(bundle, at, missed, beta, event);
+            }
+            let emits = hit & material.emits;
+            if emits.any() {
+                let cos = met.point.ng.dot(d).abs();
+                self.add_emission::<P>(bundle, at, emits, beta * material.emission, cos, event);
+            }
+            // The geometric normal decides the sides: both normals are turned to the viewer's.
+            // Where the two place the viewer on different sides nothing is carried.
+            let point = facing(met.point, -d);
+            let frame = Frame::around(point.ns);
+            let wo = frame.to_local(-d);
+            let go = hit & material.reflects & wo.z.gt(zero);
+            if last {
+                going += (hit & material.reflects).bits().count_ones() as usize;
+                continue;
+            }
+            if !go.any() {
+                continue;
+            }
+            let slot = bundle.paths.slot.load::<P>(at);
+            let key = bundle.paths.key.load::<P>(at);
+            let stream = Stream::again(key, pass);
+            let view = material.lobes.seen_from::<M>(wo);
+            let [lobe_choice, light_choice] = stream.pair_bits(Slot::choice(event));
+
+            if asks {
+                let u = pair::<P>(&stream, Slot::light(event));
+                let light = lights.sample::<P>(geometry, &point, &frame, light_choice, u);
+                let wi = frame.to_local(light.wi);
+                let above = M::cosine(wi.z).gt(zero) & M::cosine(point.ng.dot(light.wi)).gt(zero);
+                let asked = go & light.found & above;
+                if asked.any() {
+                    let e = view.eval::<M>(wi);
+                    let weight = self.method.strategy.asked(light.pdf, e.pdf);
+                    let found = light.radiance * e.f * (M::cosine(wi.z) / light.pdf * weight);
+                    let asked = asked & !is_black(found);
+                    let shadows = &mut bundle.shadows;
+                    let end = shadows.count;
+                    shadows.o.push::<P>(end, asked, light.o);
+                    shadows.d.push::<P>(end, asked, light.d);
+                    shadows.t_max.push::<P>(end, asked, light.t_max);
+                    shadows.light.push_rgb::<P>(end, asked, beta * found);
+                    shadows.slot.push::<P>(end, asked, slot);
+                    shadows.count += asked.bits().count_ones() as usize;
+                }
+            }
+
+            let u = pair::<P>(&stream, Slot::direction(event));
+            let next = view.sample::<M>(unit::<P>(lobe_choice), u);
+            let d = frame.to_world(next.wi);
+            let cos = M::cosine(next.wi.z);
+            let mut beta = beta * next.f * (cos / next.pdf);
+            let leaves = next.pdf.gt(zero) & M::cosine(point.ng.dot(d)).gt(zero);
+            let mut goes = go & leaves & !is_black(beta);
+            if event >= roulette::FROM {
+                let survival = roulette::survival(event, beta.max_channel());
+                let one = P::splat(1.0);
+                let at_risk = goes & survival.lt(one);
+                if at_risk.any() {
+                    let [u, _] = pair::<P>(&stream, Slot::roulette(event));
+                    let ended = at_risk & u.ge(survival);
+                    goes = goes & !ended;
+                    beta = beta * P::select(at_risk, one / survival, one);
+                }
+            }
+            let paths = &mut bundle.paths;
+            paths.o.push::<P>(going, goes, offset_origin(point.p, point.error, point.ng, d));
+            paths.d.push::<P>(going, goes, d);
+            paths.beta.push_rgb::<P>(going, goes, beta);
+            paths.pdf.push::<P>(going, goes, next.pdf);
+            paths.cos.push::<P>(going, goes, cos);
+            paths.from.push::<P>(going, goes, point.p);
+            paths.slot.push::<P>(going, goes, slot);
+            paths.key.push::<P>(going, goes, key);
+            going += goes.bits().count_ones() as usize;
+        }
+        going
+    }
+
+    /// What comes from beyond the scene, to the paths that met nothing.
+    #[inline(always)]
+    fn add_environment<P: Packet>(
+        &self,
+        bundle: &mut Bundle,
+        at: usize,
+        missed: P::Mask,
+        beta: Rgb<P>,
+        event: u32,
+    ) {
+        let environment = self.lights.environment();
+        if environment.is_black() {
+            return;
+        }
+        let mut light = beta * environment.splat_lanes();
+        if event > 0 {
+            let other = self.tables.lights.environment_pdf(bundle.paths.cos.load::<P>(at));
+            light = light * self.method.strategy.met(bundle.paths.pdf.load::<P>(at), other);
+        }
+        bundle.add::<P>(at, missed.bits(), light);
+    }
+
+    /// What the surfaces met give off themselves, at this cosine to the rays.
+    #[inline(always)]
+    fn add_emission<P: Packet>(
+        &self,
+        bundle: &mut Bundle,
+        at: usize,
+        emits: P::Mask,
+        mut light: Rgb<P>,
+        cos: P,
+        event: u32,
+    ) {
+        let lanes = emits.bits();
+        if event > 0 {
+            let (mut other, mut cosine) = ([0.0; 16], [0.0; 16]);
+            cos.store(&mut cosine);
+            for lane in (0..P::WIDTH).filter(|lane| lanes >> lane & 1 != 0) {
+                let from = bundle.paths.from.get(at + lane).into();
+                let (primitive, t) = (bundle.met.primitive.0[at + lane], bundle.met.t.0[at + lane]);
+                other[lane] = self.tables.lights.pdf(from, primitive, t, cosine[lane]);
+            }
+            light =
+                light * self.method.strategy.met(bundle.paths.pdf.load::<P>(at), P::load(&other));
+        }
+        bundle.add::<P>(at, lanes, light);
+    }
+}
+
+impl Bundle {
+    /// Adds light to the paths in these lanes from place `at` on.
+    #[inline(always)]
+    fn add<P: Packet>(&mut self, at: usize, lanes: u32, light: Rgb<P>) {
+        let mut channels = [[0.0; 16]; 3];
+        light.r.store(&mut channels[0]);
+        light.g.store(&mut channels[1]);
+        light.b.store(&mut channels[2]);
+        for lane in (0..P::WIDTH).filter(|lane| lanes >> lane & 1 != 0) {
+            let sum = &mut self.radiance[self.paths.slot.0[at + lane] as usize];
+            for (sum, channel) in sum.iter_mut().zip(&channels) {
+                *sum += channel[lane];
+            }
+        }
+    }
+}
+
+/// So many lowest bits, at most all.
+fn lowest(count: usize) -> u32 {
+    if count >= 32 { u32::MAX } else { (1 << count) - 1 }
+}
+
+#[inline(always)]
+fn is_black<P: Lane>(c: Rgb<P>) -> P::Mask {
+    let zero = P::splat(0.0);
+    c.r.equal(zero) & c.g.equal(zero) & c.b.equal(zero)
+}
+
+/// A surface with both normals turned to the viewer's side.
+#[inline(always)]
+fn facing<P: Lane>(mut point: SurfacePoint<P>, wo: V3<P>) -> SurfacePoint<P> {
+    let zero = P::splat(0.0);
+    point.ng = V3::select(point.ng.dot(wo).lt(zero), -point.ng, point.ng);
+    point.ns = V3::select(point.ns.dot(point.ng).lt(zero), -point.ns, point.ns);
+    point
+}

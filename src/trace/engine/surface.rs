@@ -1,0 +1,171 @@
+//! What rays met: fetched one by one, made into surfaces lane by lane.
+
+use super::Paths;
+use super::table::Table;
+use crate::brdf::{Lobes, Width};
+use crate::geometry::{Geometry, Hit, Kind, SurfacePoint, flat_surface, shading_normal};
+use crate::math::columns::{Column, Columns3};
+use crate::math::lanes::{Bits, Lane, Mask, Packet};
+use crate::math::{Rgb, V3};
+use crate::scene::Material;
+
+/// Kd; Ks; alpha; a_p; emission; whether it reflects.
+const FIELDS: usize = 12;
+
+#[derive(Debug)]
+pub(super) struct MaterialTable(Table<FIELDS>);
+
+/// Materials of lanes.
+pub(super) struct Materials<P: Lane> {
+    pub(super) lobes: Lobes<P>,
+    pub(super) emission: Rgb<P>,
+    pub(super) emits: P::Mask,
+    pub(super) reflects: P::Mask,
+}
+
+impl MaterialTable {
+    pub(super) fn new(materials: &[Material]) -> MaterialTable {
+        let record = |m: &Material| {
+            let (kd, ks, light) = (Rgb::from(m.kd), Rgb::from(m.ks), Rgb::from(m.emission));
+            let width = Width::from(m.roughness);
+            let reflects = f32::from(!(kd.is_black() && ks.is_black()));
+            [
+                kd.r,
+                kd.g,
+                kd.b,
+                ks.r,
+                ks.g,
+                ks.b,
+                width.alpha,
+                width.exponent,
+                light.r,
+                light.g,
+                light.b,
+                reflects,
+            ]
+        };
+        MaterialTable(Table::new(materials.iter().map(record).collect()))
+    }
+
+    #[inline(always)]
+    pub(super) fn get<P: Packet>(&self, index: P::Bits) -> Materials<P> {
+        let f = self.0.get::<P>(index);
+        let emission = Rgb::new(f[8], f[9], f[10]);
+        Materials {
+            lobes: Lobes {
+                kd: Rgb::new(f[0], f[1], f[2]),
+                ks: Rgb::new(f[3], f[4], f[5]),
+                width: Width { alpha: f[6], exponent: f[7] },
+            },
+            emission,
+            emits: emission.max_channel().gt(P::splat(0.0)),
+            reflects: f[11].gt(P::splat(0.0)),
+        }
+    }
+}
+
+/// Where rays met surfaces.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Met {
+    pub(super) t: Column<f32>,
+    b: [Column<f32>; 2],
+    /// `u32::MAX` for nothing.
+    pub(super) primitive: Column<u32>,
+    pub(super) material: Column<u32>,
+    /// A triangle's corners; another shape's point, normal and bound on the error.
+    corners: [Columns3; 3],
+    /// Normals of a smooth triangle's corners.
+    normals: [Columns3; 3],
+    kind: Column<u32>,
+}
+
+const NOTHING: u32 = 0;
+const FLAT: u32 = 1;
+const SMOOTH: u32 = 2;
+const OTHER: u32 = 3;
+
+/// Surfaces of lanes.
+pub(super) struct Surfaces<P: Lane> {
+    pub(super) hit: P::Mask,
+    /// Its normals on either side.
+    pub(super) point: SurfacePoint<P>,
+}
+
+impl Met {
+    /// Takes down what one ray met.
+    #[inline(always)]
+    pub(super) fn set(&mut self, at: usize, hit: Option<Hit>) {
+        let hit = hit.unwrap_or(Hit { t: f32::INFINITY, primitive: u32::MAX, b: [0.0; 2] });
+        self.t.0[at] = hit.t;
+        self.primitive.0[at] = hit.primitive;
+        self.b[0].0[at] = hit.b[0];
+        self.b[1].0[at] = hit.b[1];
+    }
+
+    /// Gathers the shapes.
+    #[inline(always)]
+    pub(super) fn fetch<P: Packet>(&mut self, geometry: &Geometry, paths: &Paths, count: usize) {
+        for at in 0..count {
+            let primitive = self.primitive.0[at];
+            if primitive == u32::MAX {
+                self.kind.0[at] = NOTHING;
+                self.material.0[at] = 0;
+                continue;
+            }
+            self.material.0[at] = geometry.material_of[primitive as usize];
+            let Kind::Triangle(triangle) = geometry.kind(primitive) else {
+                let b = [self.b[0].0[at], self.b[1].0[at]];
+                let hit = Hit { t: self.t.0[at], primitive, b };
+                let point = geometry.surface(&paths.ray(at), &hit);
+                self.kind.0[at] = OTHER;
+                for (column, v) in self.corners.iter_mut().zip([point.p, point.ng, point.error]) {
+                    column.set(at, v);
+                }
+                continue;
+            };
+            let indices = geometry.triangles[triangle].map(|i| i as usize);
+            let normals = indices.map(|i| geometry.normals[i]);
+            for (column, i) in self.corners.iter_mut().zip(indices) {
+                column.set(at, geometry.positions[i]);
+            }
+            if normals.contains(&V3::default()) {
+                self.kind.0[at] = FLAT;
+                continue;
+            }
+            self.kind.0[at] = SMOOTH;
+            for (column, n) in self.normals.iter_mut().zip(normals) {
+                column.set(at, n);
+            }
+        }
+    }
+
+    /// The surfaces of the members from `at` on.
+    #[inline(always)]
+    pub(super) fn surfaces<P: Packet>(&self, at: usize) -> Surfaces<P> {
+        let kind = self.kind.load::<P>(at);
+        let [a, b, c] = &self.corners;
+        let corners = [a.load::<P>(at), b.load::<P>(at), c.load::<P>(at)];
+        let weights = [self.b[0].load::<P>(at), self.b[1].load::<P>(at)];
+        let mut point = flat_surface(corners, weights);
+        let smooth = is::<P>(kind, SMOOTH);
+        if smooth.any() {
+            let [a, b, c] = &self.normals;
+            let normals = [a.load::<P>(at), b.load::<P>(at), c.load::<P>(at)];
+            point.ns = V3::select(smooth, shading_normal(point.ng, normals, weights), point.ng);
+        }
+        let other = is::<P>(kind, OTHER);
+        if other.any() {
+            let [p, n, error] = corners;
+            point.p = V3::select(other, p, point.p);
+            point.ng = V3::select(other, n, point.ng);
+            point.ns = V3::select(other, n, point.ns);
+            point.error = V3::select(other, error, point.error);
+        }
+        Surfaces { hit: !is::<P>(kind, NOTHING), point }
+    }
+}
+
+#[inline(always)]
+fn is<P: Packet>(kind: P::Bits, wanted: u32) -> P::Mask {
+    P::equal_bits(kind, P::Bits::splat(wanted))
+}
