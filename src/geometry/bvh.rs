@@ -1,5 +1,6 @@
 //! The tree: built by obvhs as a binary one, then widened to eight children a node.
 
+use super::plates::Plates;
 use super::triangle::Pack;
 use super::{Geometry, Kind};
 use crate::math::V3;
@@ -55,6 +56,11 @@ pub struct Bvh {
     pub(super) nodes: Vec<Node>,
     pub(super) packs: Vec<Pack>,
     pub(super) root: Option<u32>,
+    /// Corners of the box around all that is in the tree.
+    pub(super) bounds: [V3; 2],
+    /// What is not in the tree, with its triangles for the exact test.
+    pub(super) plates: Plates,
+    pub(super) large: Vec<Pack>,
     pub(super) isa: Isa,
     depth: usize,
 }
@@ -62,12 +68,25 @@ pub struct Bvh {
 impl Bvh {
     /// Builds the tree for the best instruction set of this machine.
     pub fn build(geometry: &Geometry) -> Bvh {
-        let mut bvh =
-            Bvh { nodes: Vec::new(), packs: Vec::new(), root: None, isa: Isa::detect(), depth: 0 };
-        if geometry.is_empty() {
+        let plates = Plates::new(geometry);
+        let large: Vec<u32> = plates.triangles().collect();
+        let mut bvh = Bvh {
+            nodes: Vec::new(),
+            packs: Vec::new(),
+            root: None,
+            bounds: [V3::splat(f32::INFINITY), V3::splat(f32::NEG_INFINITY)],
+            large: large.chunks(8).map(|ids| Pack::of(geometry, ids)).collect(),
+            plates,
+            isa: Isa::detect(),
+            depth: 0,
+        };
+        let is_large = |i: &u32| large.binary_search(i).is_ok();
+        let rest: Vec<u32> = (0..geometry.len() as u32).filter(|i| !is_large(i)).collect();
+        if rest.is_empty() {
             return bvh;
         }
-        let order = without_order(geometry.len() as u32);
+        let order: Vec<u32> =
+            without_order(rest.len() as u32).into_iter().map(|i| rest[i as usize]).collect();
         let bounds: Vec<Aabb> = order
             .iter()
             .map(|&i| {
@@ -80,6 +99,8 @@ impl Bvh {
         let mut build_time = Duration::ZERO; // wanted by obvhs; we measure from outside
         let mut binary = build_bvh2(&bounds, settings, &mut build_time);
         drop(bounds);
+        let whole = binary.nodes[0].aabb();
+        bvh.bounds = [whole.min, whole.max].map(|v| V3::new(v.x, v.y, v.z));
         binary.primitive_indices.iter_mut().for_each(|i| *i = order[*i as usize]);
         Widener::new(geometry, &binary).widen(&mut bvh);
         bvh
@@ -102,7 +123,8 @@ impl Bvh {
 
     /// Bytes held by nodes and triangle packs.
     pub fn bytes(&self) -> usize {
-        self.nodes.len() * size_of::<Node>() + self.packs.len() * size_of::<Pack>()
+        let packs = self.packs.len() + self.large.len();
+        self.nodes.len() * size_of::<Node>() + packs * size_of::<Pack>()
     }
 }
 
@@ -246,31 +268,18 @@ impl<'a> Widener<'a> {
             let node = &self.binary.nodes[at];
             return QUADRIC | self.binary.primitive_indices[node.first_index as usize];
         }
-        let mut pack = Pack::EMPTY;
-        let mut lane = 0;
+        let mut ids = Vec::with_capacity(8);
         let mut open = vec![at];
         while let Some(i) = open.pop() {
             let node = &self.binary.nodes[i];
             let first = node.first_index as usize;
-            if !node.is_leaf() {
+            if node.is_leaf() {
+                ids.push(self.binary.primitive_indices[first]);
+            } else {
                 open.extend([first, first + 1]);
-                continue;
             }
-            let id = self.binary.primitive_indices[first];
-            pack.id[lane] = id;
-            for (vertex, p) in self.geometry.corners(id as usize).into_iter().enumerate() {
-                pack.v[vertex][0][lane] = p.x;
-                pack.v[vertex][1][lane] = p.y;
-                pack.v[vertex][2][lane] = p.z;
-            }
-            lane += 1;
         }
-        // Unused lanes repeat the first triangle: by the tie rule that changes nothing.
-        for spare in lane..8 {
-            pack.id[spare] = pack.id[0];
-            pack.v.iter_mut().flatten().for_each(|row| row[spare] = row[0]);
-        }
-        bvh.packs.push(pack);
+        bvh.packs.push(Pack::of(self.geometry, &ids));
         PACK | (bvh.packs.len() as u32 - 1)
     }
 }

@@ -8,6 +8,7 @@
 mod bvh;
 mod cylinder;
 mod offset;
+mod plates;
 mod sphere;
 mod traverse;
 mod triangle;
@@ -15,10 +16,11 @@ mod triangle;
 pub use bvh::Bvh;
 pub use cylinder::Cylinder;
 pub use offset::offset_origin;
+pub(crate) use plates::{NO_PLATE, PlateHits};
 pub use sphere::Sphere;
 pub(crate) use sphere::intersect as intersect_spheres;
 pub use traverse::{Ray, Stack};
-pub(crate) use triangle::{flat_surface, shading_normal};
+pub(crate) use triangle::{flat_surface, resolve, shading_normal};
 
 use crate::math::V3;
 use std::ops::Range;

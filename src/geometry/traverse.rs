@@ -2,7 +2,8 @@
 
 use super::bvh::{Bvh, Child, Node, child};
 use super::offset::ROUNDING;
-use super::triangle::{self, Sheared};
+use super::plates::Plates;
+use super::triangle::{self, Pack, Sheared};
 use super::{Geometry, Hit, Kind};
 use crate::math::lanes::{Kernel, Packet, Wide, dispatch};
 use crate::math::{Mask, V3};
@@ -152,15 +153,50 @@ impl Bvh {
         t_max: f32,
         stack: &mut Stack,
     ) -> Option<Hit> {
-        let mut word = self.root?;
         if !is_traceable(ray) {
             return None;
         }
-        let slabs = Slabs::<W>::new(ray);
         let sheared = Sheared::new(ray.o, ray.d);
+        let mut best = Hit { t: t_max, primitive: u32::MAX, b: [0.0; 2] };
+        for pack in &self.large {
+            take_nearest::<W>(&mut best, pack, &sheared);
+        }
+        self.closest_in_tree::<W>(geometry, ray, &sheared, best, stack)
+    }
+
+    /// [`Bvh::closest_with`] among what is not a plate.
+    #[inline(always)]
+    pub(crate) fn closest_but_plates<W: Wide>(
+        &self,
+        geometry: &Geometry,
+        ray: &Ray,
+        t_max: f32,
+        stack: &mut Stack,
+    ) -> Option<Hit> {
+        if !is_traceable(ray) {
+            return None;
+        }
+        let sheared = Sheared::new(ray.o, ray.d);
+        let best = Hit { t: t_max, primitive: u32::MAX, b: [0.0; 2] };
+        self.closest_in_tree::<W>(geometry, ray, &sheared, best, stack)
+    }
+
+    /// The nearer of the best hit so far and what the tree holds.
+    #[inline(always)]
+    fn closest_in_tree<W: Wide>(
+        &self,
+        geometry: &Geometry,
+        ray: &Ray,
+        sheared: &Sheared,
+        mut best: Hit,
+        stack: &mut Stack,
+    ) -> Option<Hit> {
+        let Some(mut word) = self.root else {
+            return (best.primitive != u32::MAX).then_some(best);
+        };
+        let slabs = Slabs::<W>::new(ray);
         let stack = &mut stack.0;
         let mut top = 0;
-        let mut best = Hit { t: t_max, primitive: u32::MAX, b: [0.0; 2] };
         loop {
             match child(word) {
                 Child::Node(index) => {
@@ -198,19 +234,7 @@ impl Bvh {
                 }
                 Child::Pack(index) => {
                     let pack = &self.packs[index];
-                    if let Some(hits) = triangle::intersect::<W>(pack, &sheared, best.t) {
-                        let mut mask = hits.mask;
-                        while mask != 0 {
-                            let i = mask.trailing_zeros() as usize;
-                            mask &= mask - 1;
-                            take_nearer(
-                                &mut best,
-                                hits.t[i],
-                                pack.id[i],
-                                [hits.b[0][i], hits.b[1][i]],
-                            );
-                        }
-                    }
+                    take_nearest::<W>(&mut best, pack, sheared);
                 }
                 Child::Quadric(primitive) => {
                     if let Some(t) = quadric(geometry, primitive, ray, best.t) {
@@ -230,6 +254,17 @@ impl Bvh {
                 }
             }
         }
+    }
+}
+
+#[inline(always)]
+fn take_nearest<W: Wide>(best: &mut Hit, pack: &Pack, ray: &Sheared) {
+    let Some(hits) = triangle::intersect::<W>(pack, ray, best.t) else { return };
+    let mut mask = hits.mask;
+    while mask != 0 {
+        let i = mask.trailing_zeros() as usize;
+        mask &= mask - 1;
+        take_nearer(best, hits.t[i], pack.id[i], [hits.b[0][i], hits.b[1][i]]);
     }
 }
 
@@ -259,12 +294,33 @@ impl Bvh {
         t_max: f32,
         stack: &mut Stack,
     ) -> bool {
+        if !is_traceable(ray) {
+            return false;
+        }
+        let sheared = Sheared::new(ray.o, ray.d);
+        for pack in &self.large {
+            if triangle::intersect::<W>(pack, &sheared, t_max).is_some() {
+                return true;
+            }
+        }
+        self.occluded_but_plates::<W>(geometry, ray, t_max, stack)
+    }
+
+    /// [`Bvh::occluded_with`] by what is not a plate.
+    #[inline(always)]
+    pub(crate) fn occluded_but_plates<W: Wide>(
+        &self,
+        geometry: &Geometry,
+        ray: &Ray,
+        t_max: f32,
+        stack: &mut Stack,
+    ) -> bool {
         let Some(root) = self.root else { return false };
         if !is_traceable(ray) {
             return false;
         }
-        let slabs = Slabs::<W>::new(ray);
         let sheared = Sheared::new(ray.o, ray.d);
+        let slabs = Slabs::<W>::new(ray);
         let stack = &mut stack.0;
         stack[0].1 = root;
         let mut top = 1;
@@ -295,5 +351,35 @@ impl Bvh {
             }
         }
         false
+    }
+}
+
+impl Bvh {
+    /// The large flat faces, which are not in the tree.
+    pub(crate) fn plates(&self) -> &Plates {
+        &self.plates
+    }
+
+    /// Which of the rays may meet what is in the tree before `t_max`.
+    #[inline(always)]
+    pub(crate) fn meets_tree<P: Packet>(&self, o: V3<P>, d: V3<P>, t_max: P) -> P::Mask {
+        if self.root.is_none() {
+            return P::mask(0);
+        }
+        let margin = (o.abs().max_component() + P::splat(1.0)) * P::splat(64.0 * ROUNDING);
+        let [low, high] = self.bounds;
+        let sides =
+            [(o.x, d.x, low.x, high.x), (o.y, d.y, low.y, high.y), (o.z, d.z, low.z, high.z)];
+        let (mut enter, mut leave) = (P::splat(0.0), t_max);
+        for (o, d, low, high) in sides {
+            let inverse = P::splat(1.0) / d;
+            let a = (P::splat(low) - margin - o) * inverse;
+            let b = (P::splat(high) + margin - o) * inverse;
+            // A ray within the plane of a side gives no number: then the other bound counts.
+            enter = a.min(b).max(enter);
+            leave = a.max(b).min(leave);
+        }
+        // Distances are rounded too.
+        enter.le(leave * P::splat(1.0 + 8.0 * f32::EPSILON))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::offset::ROUNDING;
 use super::{Geometry, SurfacePoint};
-use crate::math::lanes::Wide;
+use crate::math::lanes::{Packet, Wide};
 use crate::math::{Lane, Mask, V3};
 
 /// Hits nearer than this, in units of the scene along the ray's fastest axis, have their distance
@@ -18,7 +18,20 @@ pub(super) struct Pack {
 }
 
 impl Pack {
-    pub(super) const EMPTY: Pack = Pack { v: [[[0.0; 8]; 3]; 3], id: [u32::MAX; 8] };
+    /// One to eight triangles. Lanes to spare repeat the first: by the tie rule that changes nothing.
+    pub(super) fn of(geometry: &Geometry, ids: &[u32]) -> Pack {
+        let mut pack = Pack { v: [[[0.0; 8]; 3]; 3], id: [u32::MAX; 8] };
+        for lane in 0..8 {
+            let id = ids[if lane < ids.len() { lane } else { 0 }];
+            pack.id[lane] = id;
+            for (rows, p) in pack.v.iter_mut().zip(geometry.corners(id as usize)) {
+                for (row, x) in rows.iter_mut().zip([p.x, p.y, p.z]) {
+                    row[lane] = x;
+                }
+            }
+        }
+        pack
+    }
 }
 
 /// A ray in the form that the triangle test wants: the axis along which it runs fastest becomes z,
@@ -155,25 +168,99 @@ fn decide_distances(
     t_max: f32,
     mut hits: PackHits,
 ) -> Option<PackHits> {
-    let [kx, ky, kz] = ray.k;
-    let [ox, oy, oz] = ray.o.map(f64::from);
-    let [sx, sy, sz] = ray.s.map(f64::from);
     for i in (0..8).filter(|i| lanes >> i & 1 != 0) {
-        let [a, b, c] = [0, 1, 2].map(|vertex| {
-            let row = |k: usize| pack.v[vertex][k][i] as f64;
-            let z = row(kz) - oz;
-            [row(kx) - ox - sx * z, row(ky) - oy - sy * z, z]
+        let corners = [0, 1, 2].map(|vertex| {
+            let [x, y, z] = &pack.v[vertex];
+            [x[i], y[i], z[i]]
         });
-        let cross = |p: [f64; 3], q: [f64; 3]| p[0] * q[1] - p[1] * q[0];
-        let (u, v, w) = (cross(c, b), cross(a, c), cross(b, a));
-        let distance = (u * a[2] + v * b[2] + w * c[2]) / (u + v + w) * sz;
-        if distance.is_finite() {
-            hits.t[i] = distance as f32;
-        }
+        hits.t[i] = precise_distance(corners, ray).unwrap_or(hits.t[i]);
     }
     let is_hit = |i: &usize| hits.mask >> i & 1 != 0 && hits.t[*i] > 0.0 && hits.t[*i] <= t_max;
     hits.mask = (0..8).filter(is_hit).fold(0, |mask, i| mask | 1 << i);
     (hits.mask != 0).then_some(hits)
+}
+
+/// The distance along a ray that meets the plane of these corners, from f64; `None` where it
+/// overflows.
+fn precise_distance(corners: [[f32; 3]; 3], ray: &Sheared) -> Option<f32> {
+    let [kx, ky, kz] = ray.k;
+    let [ox, oy, oz] = ray.o.map(f64::from);
+    let [sx, sy, sz] = ray.s.map(f64::from);
+    let [a, b, c] = corners.map(|corner| {
+        let corner = corner.map(f64::from);
+        let z = corner[kz] - oz;
+        [corner[kx] - ox - sx * z, corner[ky] - oy - sy * z, z]
+    });
+    let cross = |p: [f64; 3], q: [f64; 3]| p[0] * q[1] - p[1] * q[0];
+    let (u, v, w) = (cross(c, b), cross(a, c), cross(b, a));
+    let distance = (u * a[2] + v * b[2] + w * c[2]) / (u + v + w) * sz;
+    distance.is_finite().then_some(distance as f32)
+}
+
+/// Distances and weights of rays that are known to meet these triangles clear of their edges: the
+/// very numbers that [`intersect`] gives. Where `wanted` is not set they mean nothing.
+#[inline(always)]
+pub(crate) fn resolve<P: Packet>(
+    o: V3<P>,
+    d: V3<P>,
+    corners: [V3<P>; 3],
+    wanted: P::Mask,
+) -> (P, [P; 2]) {
+    let a = d.abs();
+    let x_first = a.x.gt(a.y) & a.x.gt(a.z);
+    let y_first = !a.x.gt(a.y) & a.y.gt(a.z);
+    let axes = [x_first, y_first];
+    let [dx, dy, dz] = turned(d, axes);
+    let [ox, oy, oz] = turned(o, axes);
+    let sz = P::splat(1.0) / dz;
+    let (sx, sy) = (dx * sz, dy * sz);
+    let mut sheared = [V3::splat(sz); 3];
+    for (sheared, corner) in sheared.iter_mut().zip(corners) {
+        let [x, y, z] = turned(corner, axes);
+        let z = z - oz;
+        *sheared = V3::new((x - ox) - sx * z, (y - oy) - sy * z, z);
+    }
+    let [a, b, c] = sheared;
+    let u = c.x * b.y - c.y * b.x;
+    let v = a.x * c.y - a.y * c.x;
+    let w = b.x * a.y - b.y * a.x;
+    let inverse = P::splat(1.0) / (u + v + w);
+    let t = (u * a.z + v * b.z + w * c.z) * sz * inverse;
+    let near = wanted & t.le(P::splat(NEAR) * sz.abs());
+    let t = if near.any() { resolve_near(o, d, corners, near.bits(), t) } else { t };
+    (t, [v * inverse, w * inverse])
+}
+
+/// The components in the order of a ray's frame: z along its fastest axis.
+#[inline(always)]
+fn turned<P: Packet>(v: V3<P>, [x_first, y_first]: [P::Mask; 2]) -> [P; 3] {
+    [
+        P::select(x_first, v.y, P::select(y_first, v.z, v.x)),
+        P::select(x_first, v.z, P::select(y_first, v.x, v.y)),
+        P::select(x_first, v.x, P::select(y_first, v.y, v.z)),
+    ]
+}
+
+#[cold]
+#[inline(never)]
+fn resolve_near<P: Packet>(o: V3<P>, d: V3<P>, corners: [V3<P>; 3], lanes: u32, t: P) -> P {
+    let (mut rays, mut points, mut distances) = ([[0.0; 16]; 6], [[[0.0; 16]; 3]; 3], [0.0; 16]);
+    for (column, x) in rays.iter_mut().zip([o.x, o.y, o.z, d.x, d.y, d.z]) {
+        x.store(column);
+    }
+    for (columns, corner) in points.iter_mut().zip(corners) {
+        for (column, x) in columns.iter_mut().zip([corner.x, corner.y, corner.z]) {
+            x.store(column);
+        }
+    }
+    t.store(&mut distances);
+    for lane in (0..P::WIDTH).filter(|lane| lanes >> lane & 1 != 0) {
+        let [ox, oy, oz, dx, dy, dz] = rays.map(|column| column[lane]);
+        let ray = Sheared::new(V3::new(ox, oy, oz), V3::new(dx, dy, dz));
+        let corners = points.map(|columns| columns.map(|column| column[lane]));
+        distances[lane] = precise_distance(corners, &ray).unwrap_or(distances[lane]);
+    }
+    P::load(&distances)
 }
 
 /// The surface at barycentric weights `b` of the second and third vertex.

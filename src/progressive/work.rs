@@ -15,7 +15,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 /// Passes of one visit to a tile, once the first few are there: fewer waits for the last worker.
-const BATCH: u64 = 4;
+const BATCH: u64 = 16;
 /// A preview has at most this many paths, so that it stands within a frame's time.
 const PREVIEW_PATHS: u64 = 8192;
 /// The preview is refined by this factor in each direction until a pass is no finer.

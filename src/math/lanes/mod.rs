@@ -233,6 +233,6 @@ pub fn dispatch<K: Kernel>(isa: Isa, kernel: K) -> K::Output {
         Isa::Avx2 => x86::run_avx2(kernel),
         #[cfg(target_arch = "x86_64")]
         Isa::Avx512 => x86::run_avx512(kernel),
-        _ => kernel.run::<F32x8, F32x8>(),
+        _ => kernel.run::<F32x8, f32>(),
     }
 }

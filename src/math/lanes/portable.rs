@@ -1,6 +1,6 @@
 //! Eight values in plain arrays: runs on every target, and is the oracle of the intrinsic twins.
 
-use super::{Bits, Lane, Mask, Packet, Wide};
+use super::{Bits, Lane, Mask, Wide};
 use std::array::from_fn;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
 
@@ -180,61 +180,5 @@ impl Wide for F32x8 {
     #[inline(always)]
     fn store(self) -> [f32; 8] {
         self.0
-    }
-}
-
-impl Packet for F32x8 {
-    #[inline(always)]
-    fn load(x: &[f32]) -> F32x8 {
-        F32x8(from_fn(|i| x[i]))
-    }
-    #[inline(always)]
-    fn store(self, x: &mut [f32]) {
-        x[..8].copy_from_slice(&self.0);
-    }
-    #[inline(always)]
-    fn load_bits(x: &[u32]) -> U32x8 {
-        U32x8(from_fn(|i| x[i]))
-    }
-    #[inline(always)]
-    fn store_bits(bits: U32x8, x: &mut [u32]) {
-        x[..8].copy_from_slice(&bits.0);
-    }
-    #[inline(always)]
-    fn mask(bits: u32) -> Mask8 {
-        Mask8(bits as u8)
-    }
-    #[inline(always)]
-    fn select_bits(mask: Mask8, a: U32x8, b: U32x8) -> U32x8 {
-        U32x8(from_fn(|i| if mask.0 >> i & 1 != 0 { a.0[i] } else { b.0[i] }))
-    }
-    #[inline(always)]
-    fn equal_bits(a: U32x8, b: U32x8) -> Mask8 {
-        (0..8).fold(Mask8(0), |mask, i| Mask8(mask.0 | ((a.0[i] == b.0[i]) as u8) << i))
-    }
-    #[inline(always)]
-    fn less_bits(a: U32x8, b: U32x8) -> Mask8 {
-        (0..8).fold(Mask8(0), |mask, i| Mask8(mask.0 | ((a.0[i] < b.0[i]) as u8) << i))
-    }
-    #[inline(always)]
-    fn compress(self, mask: Mask8, x: &mut [f32]) {
-        compress(self.0, mask, &mut x[..8]);
-    }
-    #[inline(always)]
-    fn compress_bits(bits: U32x8, mask: Mask8, x: &mut [u32]) {
-        compress(bits.0, mask, &mut x[..8]);
-    }
-    #[inline(always)]
-    fn lookup(table: &[f32; 16], index: U32x8) -> F32x8 {
-        F32x8(index.0.map(|i| table[i as usize % 16]))
-    }
-}
-
-#[inline(always)]
-fn compress<T: Copy>(from: [T; 8], mask: Mask8, to: &mut [T]) {
-    let mut place = 0;
-    for (i, value) in from.into_iter().enumerate() {
-        to[place] = value;
-        place += (mask.0 >> i & 1) as usize;
     }
 }

@@ -1,6 +1,6 @@
 //! One value: `f32` itself.
 
-use super::{Bits, Lane, Mask};
+use super::{Bits, Lane, Mask, Packet};
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Shl, Shr, Sub};
 
 impl Lane for f32 {
@@ -60,6 +60,55 @@ impl Lane for f32 {
     #[inline(always)]
     fn from_small(bits: Self::Bits) -> f32 {
         bits.0 as f32
+    }
+}
+
+/// The portable bundle is one value at a time: what a compiler makes of arrays in code as long as
+/// the tracer's is no faster, and takes it minutes.
+impl Packet for f32 {
+    #[inline(always)]
+    fn load(x: &[f32]) -> f32 {
+        x[0]
+    }
+    #[inline(always)]
+    fn store(self, x: &mut [f32]) {
+        x[0] = self;
+    }
+    #[inline(always)]
+    fn load_bits(x: &[u32]) -> U32 {
+        U32(x[0])
+    }
+    #[inline(always)]
+    fn store_bits(bits: U32, x: &mut [u32]) {
+        x[0] = bits.0;
+    }
+    #[inline(always)]
+    fn mask(bits: u32) -> bool {
+        bits & 1 != 0
+    }
+    #[inline(always)]
+    fn select_bits(mask: bool, a: U32, b: U32) -> U32 {
+        if mask { a } else { b }
+    }
+    #[inline(always)]
+    fn equal_bits(a: U32, b: U32) -> bool {
+        a == b
+    }
+    #[inline(always)]
+    fn less_bits(a: U32, b: U32) -> bool {
+        a.0 < b.0
+    }
+    #[inline(always)]
+    fn compress(self, _: bool, x: &mut [f32]) {
+        x[0] = self;
+    }
+    #[inline(always)]
+    fn compress_bits(bits: U32, _: bool, x: &mut [u32]) {
+        x[0] = bits.0;
+    }
+    #[inline(always)]
+    fn lookup(table: &[f32; 16], index: U32) -> f32 {
+        table[index.0 as usize % 16]
     }
 }
 

@@ -103,20 +103,28 @@ impl Integrating {
     /// Length of the facets' edges, about. Shorter ones would stand before the wall by less than
     /// single precision tells; as it is, by an eighth of its square.
     const EDGE: f64 = 0.01;
+    /// How far before its place on the sphere the cap stands, but for its rim.
+    const BEFORE: f64 = 5e-5;
 
     pub(super) fn stage(&self, quantity: &str) -> Result<Stage, ExactError> {
         let mut builder = SceneBuilder::new("integrating sphere");
         let wall = diffuse(&mut builder, self.rho, 0.0)?;
         let cap = diffuse(&mut builder, self.rho, self.emission)?;
         builder.sphere(DVec3::ZERO, 1.0, wall)?;
-        let (positions, triangles) = self.facets();
+        let (positions, triangles) = self.facets(Self::BEFORE);
         mesh(&mut builder, positions, triangles, cap)?;
+        // Emitters shine from both sides. What the cap's back gives off would be reflected to and
+        // fro before the wall, a hundred times as bright as the cap, and come out under the rim's
+        // chords: so there is a black cloth behind, sewn to the rim.
+        let black = diffuse(&mut builder, 0.0, 0.0)?;
+        let (positions, triangles) = self.facets(0.5 * Self::BEFORE);
+        mesh(&mut builder, positions, triangles, black)?;
         let target = match quantity {
             "wall" => ASIDE * DVec3::new(1.0, 1.0, -1.0),
             "cap" => DVec3::new(0.2 * self.half_angle(), 0.0, 1.0),
             _ => return Err(ExactError::Quantity(quantity.to_owned())),
         };
-        let bound = 0.25 * Self::EDGE * Self::EDGE;
+        let bound = 0.25 * Self::EDGE * Self::EDGE + Self::BEFORE;
         let camera = Camera::look_at(DVec3::ZERO, target, 1e-3)?;
         Ok(Stage::new(builder, camera).bounded(of_albedo(self.rho) + bound))
     }
@@ -125,23 +133,24 @@ impl Integrating {
         (1.0 - 2.0 * self.fraction).acos()
     }
 
-    /// The cap in facets whose corners lie on the sphere: they hide the wall behind. All that other
-    /// walls see of it is its rim, so that is what has to be right: as a polygon it is a little
-    /// wider than the circle, by as much as makes the areas equal.
-    fn facets(&self) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    /// The cap in facets that hide the wall behind: the rim's corners on the sphere, the others
+    /// `before` it. All that other walls see of it is its rim, so that is what has to be right: as a
+    /// polygon it is a little wider than the circle, by as much as makes the areas equal.
+    fn facets(&self, before: f64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
         let rings = (self.half_angle() / Self::EDGE).ceil() as u32;
         let sectors = (self.half_angle().sin() * TAU / Self::EDGE).ceil() as u32;
         let wedge = TAU / sectors as f64;
         let wider = (wedge / wedge.sin()).sqrt();
-        let mut positions = vec![DVec3::Z];
+        let mut positions = vec![DVec3::Z * (1.0 - before)];
         let mut triangles = Vec::new();
         for ring in 1..=rings {
             let theta = wider * self.half_angle() * ring as f64 / rings as f64;
+            let radius = if ring == rings { 1.0 } else { 1.0 - before };
             let first = positions.len() as u32;
             for sector in 0..sectors {
                 let (sin, cos) = (wedge * sector as f64).sin_cos();
                 let (across, along) = theta.sin_cos();
-                positions.push(DVec3::new(across * cos, across * sin, along));
+                positions.push(DVec3::new(across * cos, across * sin, along) * radius);
                 let next = (sector + 1) % sectors;
                 let (c, d) = (first + sector, first + next);
                 if ring == 1 {

@@ -24,7 +24,7 @@ pub struct Budget {
 
 impl Budget {
     /// Every mean to 1e-3 at four standard errors.
-    pub const FULL: Budget = Budget { relative: 2.5e-4, rays: 1 << 30 };
+    pub const FULL: Budget = Budget { relative: 2.5e-4, rays: 1 << 32 };
     /// A look at each case in some tens of milliseconds: to 1 %.
     pub const QUICK: Budget = Budget { relative: 2.5e-3, rays: 1 << 25 };
 }

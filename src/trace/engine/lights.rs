@@ -8,7 +8,7 @@
 use super::super::light::{area_of, cones, sample_cylinder};
 use super::table::Table;
 use crate::geometry::{
-    Geometry, Kind, SurfacePoint, flat_surface, intersect_spheres, offset_origin,
+    Geometry, Kind, NO_PLATE, SurfacePoint, flat_surface, intersect_spheres, offset_origin,
 };
 use crate::math::lanes::{Bits, Lane, Mask, Packet};
 use crate::math::{Frame, Rgb, V3, warp};
@@ -23,8 +23,9 @@ const SPHERE: f32 = 1.0;
 const CYLINDER: f32 = 2.0;
 const ENVIRONMENT: f32 = 3.0;
 
-/// Kind; three corners, or centre and radius, or nothing; probability; that over the area; radiance.
-const FIELDS: usize = 15;
+/// Kind; three corners, or centre and radius, or nothing; probability; that over the area; radiance;
+/// the bits of the plate's number.
+const FIELDS: usize = 16;
 
 #[derive(Debug)]
 pub(super) struct LightTable {
@@ -49,13 +50,15 @@ pub(super) struct Asked<P: Lane> {
     pub(super) o: V3<P>,
     pub(super) d: V3<P>,
     pub(super) t_max: P,
+    /// The plate that the light is, if it is one.
+    pub(super) plate: P::Bits,
     /// Whether there is one.
     pub(super) found: P::Mask,
 }
 
 impl LightTable {
     pub(super) fn new(scene: &Scene, materials: &[Material]) -> LightTable {
-        let geometry = scene.geometry();
+        let (geometry, plates) = (scene.geometry(), scene.bvh().plates());
         let mut records = Vec::new();
         let mut powers = Vec::new();
         let mut ranges = Vec::new();
@@ -82,8 +85,22 @@ impl LightTable {
                 powers.push(f64::from(radiance.luminance().max(1e-30)) * f64::from(area));
                 let light = [radiance.r, radiance.g, radiance.b];
                 records.push([
-                    kind, a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2], 0.0, area,
-                    light[0], light[1], light[2],
+                    kind,
+                    a[0],
+                    a[1],
+                    a[2],
+                    b[0],
+                    b[1],
+                    b[2],
+                    c[0],
+                    c[1],
+                    c[2],
+                    0.0,
+                    area,
+                    light[0],
+                    light[1],
+                    light[2],
+                    f32::from_bits(plates.plate_of(primitive)),
                 ]);
                 primitives.push(primitive);
             }
@@ -94,7 +111,8 @@ impl LightTable {
             powers.push(f64::from(environment.luminance() * 4.0 * PI * 3.0));
             let mut record = [0.0; FIELDS];
             record[0] = ENVIRONMENT;
-            record[12..].copy_from_slice(&<[f32; 3]>::from(environment));
+            record[12..15].copy_from_slice(&<[f32; 3]>::from(environment));
+            record[15] = f32::from_bits(NO_PLATE);
             records.push(record);
         }
         let widths = shares(&powers);
@@ -178,6 +196,7 @@ impl LightTable {
             o: from.p,
             d: frame.n,
             t_max: P::splat(SHADOW_END),
+            plate: light[15].to_bits(),
             found: P::mask(0),
         };
         let by_area = kind.equal(P::splat(TRIANGLE)) | kind.equal(P::splat(CYLINDER));

@@ -13,9 +13,9 @@ mod table;
 
 use super::{DEPTH_CAP, Scratch, Tracer};
 use crate::brdf::Microfacet;
-use crate::geometry::{Ray, Stack};
+use crate::geometry::{NO_PLATE, Ray, Stack};
 use crate::math::columns::{BUNDLE, Column, Columns3};
-use crate::math::lanes::{Kernel, Packet, Wide, dispatch};
+use crate::math::lanes::{Bits, Kernel, Mask, Packet, Wide, dispatch};
 use crate::math::sequence::{Slot, Stream, pair};
 use crate::math::{Rgb, V3};
 use crate::scene::{Material, Scene};
@@ -61,6 +61,8 @@ struct Paths {
     cos: Column<f32>,
     /// The point that it left from.
     from: Columns3,
+    /// The plate that it left from.
+    plate: Column<u32>,
     /// Place in the bundle.
     slot: Column<u32>,
     /// Of the path's random numbers.
@@ -75,17 +77,9 @@ struct Shadows {
     d: Columns3,
     t_max: Column<f32>,
     light: Columns3,
+    /// The plates where they begin and end.
+    plates: [Column<u32>; 2],
     slot: Column<u32>,
-}
-
-/// One pass of some pixels.
-struct Pass<'a, M> {
-    tracer: &'a Tracer,
-    pixels: &'a mut dyn Iterator<Item = [u32; 2]>,
-    pass: u64,
-    scratch: &'a mut Scratch,
-    each: &'a mut dyn FnMut(Rgb),
-    model: PhantomData<M>,
 }
 
 impl Tracer {
@@ -102,88 +96,40 @@ impl Tracer {
         if !self.method.is_plain() {
             return self.sample_each_otherwise(M::MODEL, pixels, pass, scratch, each);
         }
-        let model = PhantomData::<M>;
-        let isa = self.scene.bvh().isa();
-        dispatch(isa, Pass { tracer: self, pixels, pass, scratch, each, model })
-    }
-}
-
-impl<M: Microfacet> Kernel for Pass<'_, M> {
-    type Output = ();
-    #[inline(always)]
-    fn run<W: Wide, P: Packet>(self) {
         loop {
-            let bundle = &mut *self.scratch.bundle;
-            let count = bundle.paths.start::<P>(self.tracer, self.pixels, self.pass);
+            // Columns and rows lie where the slots and keys will be.
+            let paths = &mut scratch.bundle.paths;
+            let mut count = 0;
+            while count < BUNDLE
+                && let Some([x, y]) = pixels.next()
+            {
+                (paths.slot.0[count], paths.key.0[count]) = (x, y);
+                count += 1;
+            }
             if count == 0 {
                 return;
             }
-            bundle.radiance.clear();
-            bundle.radiance.resize(count, [0.0; 3]);
-            self.tracer.follow::<W, P, M>(count, self.pass, self.scratch);
-            for &radiance in &self.scratch.bundle.radiance {
-                (self.each)(radiance.into());
+            self.follow::<M>(count, pass, scratch);
+            for &radiance in &scratch.bundle.radiance {
+                each(radiance.into());
             }
         }
     }
-}
 
-impl Paths {
-    /// Camera rays of as many pixels as a bundle takes. Returns their number.
-    #[inline(always)]
-    fn start<P: Packet>(
-        &mut self,
-        tracer: &Tracer,
-        pixels: &mut dyn Iterator<Item = [u32; 2]>,
-        pass: u64,
-    ) -> usize {
-        // Columns and rows lie where the slots and keys will be.
-        let mut count = 0;
-        while count < BUNDLE
-            && let Some([x, y]) = pixels.next()
-        {
-            (self.slot.0[count], self.key.0[count]) = (x, y);
-            count += 1;
-        }
-        let eye = tracer.camera.eye().splat_lanes::<P>();
-        for at in (0..count).step_by(P::WIDTH) {
-            let (x, y) = (self.slot.load::<P>(at), self.key.load::<P>(at));
-            let stream = Stream::new(tracer.seed, x, y, pass);
-            let [dx, dy] = pair::<P>(&stream, Slot::CAMERA);
-            let d = tracer.camera.direction(P::from_small(x) + dx, P::from_small(y) + dy);
-            self.o.store(at, eye);
-            self.d.store(at, d);
-            self.beta.store(at, V3::splat(P::splat(1.0)));
-            self.key.store::<P>(at, stream.key());
-        }
-        for (slot, place) in self.slot.0.iter_mut().zip(0..count as u32) {
-            *slot = place;
-        }
-        count
-    }
-
-    #[inline(always)]
-    fn ray(&self, at: usize) -> Ray {
-        Ray { o: self.o.get(at).into(), d: self.d.get(at).into() }
-    }
-}
-
-impl Tracer {
     /// The paths of the bundle, from the camera to their ends.
-    #[inline(always)]
-    fn follow<W: Wide, P: Packet, M: Microfacet>(
-        &self,
-        mut count: usize,
-        pass: u64,
-        scratch: &mut Scratch,
-    ) {
+    fn follow<M: Microfacet>(&self, mut count: usize, pass: u64, scratch: &mut Scratch) {
+        let isa = self.scene.bvh().isa();
         let Scratch { stack, bundle, rays, capped } = scratch;
+        bundle.radiance.clear();
+        bundle.radiance.resize(count, [0.0; 3]);
+        dispatch(isa, Start { tracer: self, paths: &mut bundle.paths, count, pass });
         for event in 0.. {
             *rays += count as u64;
-            self.trace::<W>(bundle, count, stack);
-            bundle.met.fetch::<P>(self.scene.geometry(), &bundle.paths, count);
+            dispatch(isa, Trace { tracer: self, bundle, count, stack });
             let last = event >= self.max_depth || event >= DEPTH_CAP;
-            let going = self.shade::<P, M>(bundle, count, event, pass, last);
+            let model = PhantomData::<M>;
+            let shade = Shade { tracer: self, bundle, count, event, pass, last, model };
+            let going = dispatch(isa, shade);
             if event >= DEPTH_CAP && event < self.max_depth {
                 *capped += going as u64;
             }
@@ -191,38 +137,190 @@ impl Tracer {
                 return;
             }
             *rays += bundle.shadows.count as u64;
-            self.ask::<W>(bundle, stack);
+            dispatch(isa, Ask { tracer: self, bundle, stack });
             if going == 0 {
                 return;
             }
             count = going;
         }
     }
+}
 
+/// Camera rays of the pixels whose columns and rows lie where the slots and keys will be.
+struct Start<'a> {
+    tracer: &'a Tracer,
+    paths: &'a mut Paths,
+    count: usize,
+    pass: u64,
+}
+
+impl Kernel for Start<'_> {
+    type Output = ();
     #[inline(always)]
-    fn trace<W: Wide>(&self, bundle: &mut Bundle, count: usize, stack: &mut Stack) {
+    fn run<W: Wide, P: Packet>(self) {
+        let Start { tracer, paths, count, pass } = self;
+        let eye = tracer.camera.eye().splat_lanes::<P>();
+        for at in (0..count).step_by(P::WIDTH) {
+            let (x, y) = (paths.slot.load::<P>(at), paths.key.load::<P>(at));
+            let stream = Stream::new(tracer.seed, x, y, pass);
+            let [dx, dy] = pair::<P>(&stream, Slot::CAMERA);
+            let d = tracer.camera.direction(P::from_small(x) + dx, P::from_small(y) + dy);
+            paths.o.store(at, eye);
+            paths.d.store(at, d);
+            paths.beta.store(at, V3::splat(P::splat(1.0)));
+            paths.plate.store::<P>(at, P::Bits::splat(NO_PLATE));
+            paths.key.store::<P>(at, stream.key());
+        }
+        for (slot, place) in paths.slot.0.iter_mut().zip(0..count as u32) {
+            *slot = place;
+        }
+    }
+}
+
+/// Finds what the rays meet: plates by the register, the rest one by one.
+struct Trace<'a> {
+    tracer: &'a Tracer,
+    bundle: &'a mut Bundle,
+    count: usize,
+    stack: &'a mut Stack,
+}
+
+impl Kernel for Trace<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<W: Wide, P: Packet>(self) {
+        let Trace { tracer, bundle, count, stack } = self;
+        tracer.trace::<W, P>(bundle, count, stack);
+        bundle.met.fetch(tracer.scene.geometry(), &bundle.paths, count);
+        bundle.met.resolve::<P>(&bundle.paths, count);
+    }
+}
+
+/// [`Tracer::shade`]
+struct Shade<'a, M> {
+    tracer: &'a Tracer,
+    bundle: &'a mut Bundle,
+    count: usize,
+    event: u32,
+    pass: u64,
+    last: bool,
+    model: PhantomData<M>,
+}
+
+impl<M: Microfacet> Kernel for Shade<'_, M> {
+    type Output = usize;
+    #[inline(always)]
+    fn run<W: Wide, P: Packet>(self) -> usize {
+        let Shade { tracer, bundle, count, event, pass, last, .. } = self;
+        tracer.shade::<P, M>(bundle, count, event, pass, last)
+    }
+}
+
+/// Adds the light of those shadow rays that meet nothing.
+struct Ask<'a> {
+    tracer: &'a Tracer,
+    bundle: &'a mut Bundle,
+    stack: &'a mut Stack,
+}
+
+impl Kernel for Ask<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<W: Wide, P: Packet>(self) {
+        self.tracer.ask::<W, P>(self.bundle, self.stack);
+    }
+}
+
+impl Paths {
+    #[inline(always)]
+    fn ray(&self, at: usize) -> Ray {
+        Ray { o: self.o.get(at).into(), d: self.d.get(at).into() }
+    }
+}
+
+impl Tracer {
+    #[inline(always)]
+    fn trace<W: Wide, P: Packet>(&self, bundle: &mut Bundle, count: usize, stack: &mut Stack) {
         let (bvh, geometry) = (self.scene.bvh(), self.scene.geometry());
-        for at in 0..count {
-            let ray = bundle.paths.ray(at);
-            let hit = bvh.closest_with::<W>(geometry, &ray, f32::INFINITY, stack);
-            bundle.met.set(at, hit);
+        let plates = bvh.plates();
+        let (paths, met) = (&bundle.paths, &mut bundle.met);
+        for at in (0..count).step_by(P::WIDTH) {
+            let (o, d) = (paths.o.load::<P>(at), paths.d.load::<P>(at));
+            let hits = plates.closest::<P>(o, d, paths.plate.load::<P>(at));
+            met.on_plates::<P>(at, &hits);
+            let live = P::mask(lowest(count - at));
+            let open = (hits.open & live).bits();
+            let mut others = (bvh.meets_tree(o, d, hits.t + hits.within) & live).bits() | open;
+            if others == 0 {
+                continue;
+            }
+            let (mut t, mut within) = ([0.0; 16], [0.0; 16]);
+            hits.t.store(&mut t);
+            hits.within.store(&mut within);
+            while others != 0 {
+                let lane = others.trailing_zeros() as usize;
+                others &= others - 1;
+                let ray = paths.ray(at + lane);
+                if open >> lane & 1 == 0 {
+                    let until = t[lane] + within[lane];
+                    match bvh.closest_but_plates::<W>(geometry, &ray, until, stack) {
+                        None => continue,
+                        Some(hit) if hit.t < t[lane] - within[lane] => {
+                            met.set(at + lane, Some(hit), NO_PLATE);
+                            continue;
+                        }
+                        // Too close to the plate to tell.
+                        Some(_) => {}
+                    }
+                }
+                let hit = bvh.closest_with::<W>(geometry, &ray, f32::INFINITY, stack);
+                let plate = hit.map_or(NO_PLATE, |hit| plates.plate_of(hit.primitive));
+                met.set(at + lane, hit, plate);
+            }
         }
     }
 
-    /// Adds the light of those shadow rays that meet nothing.
     #[inline(always)]
-    fn ask<W: Wide>(&self, bundle: &mut Bundle, stack: &mut Stack) {
+    fn ask<W: Wide, P: Packet>(&self, bundle: &mut Bundle, stack: &mut Stack) {
         let (bvh, geometry) = (self.scene.bvh(), self.scene.geometry());
         let shadows = &bundle.shadows;
-        for at in 0..shadows.count {
-            let ray = Ray { o: shadows.o.get(at).into(), d: shadows.d.get(at).into() };
-            if !bvh.occluded_with::<W>(geometry, &ray, shadows.t_max.0[at], stack) {
-                let light = shadows.light.get(at);
-                let sum = &mut bundle.radiance[shadows.slot.0[at] as usize];
+        for at in (0..shadows.count).step_by(P::WIDTH) {
+            let (o, d) = (shadows.o.load::<P>(at), shadows.d.load::<P>(at));
+            let t_max = shadows.t_max.load::<P>(at);
+            let ends = [shadows.plates[0].load::<P>(at), shadows.plates[1].load::<P>(at)];
+            let live = P::mask(lowest(shadows.count - at));
+            let between = (t_max.lt(P::splat(f32::INFINITY)) | !live).all();
+            let [blocked, open] = bvh.plates().occluded::<P>(o, d, t_max, ends, live, between);
+            let tree = bvh.meets_tree(o, d, t_max).bits();
+            let open = open.bits();
+            let mut seen = (live & !blocked).bits();
+            while seen != 0 {
+                let lane = seen.trailing_zeros() as usize;
+                seen &= seen - 1;
+                if (open | tree) >> lane & 1 != 0 {
+                    let (o, d) = (shadows.o.get(at + lane), shadows.d.get(at + lane));
+                    let (ray, t_max) =
+                        (Ray { o: o.into(), d: d.into() }, shadows.t_max.0[at + lane]);
+                    let occluded = if open >> lane & 1 != 0 {
+                        bvh.occluded_with::<W>(geometry, &ray, t_max, stack)
+                    } else {
+                        bvh.occluded_but_plates::<W>(geometry, &ray, t_max, stack)
+                    };
+                    if occluded {
+                        continue;
+                    }
+                }
+                let light = shadows.light.get(at + lane);
+                let sum = &mut bundle.radiance[shadows.slot.0[at + lane] as usize];
                 for (sum, light) in sum.iter_mut().zip(light) {
                     *sum += light;
                 }
             }
         }
     }
+}
+
+/// So many lowest bits, at most all.
+fn lowest(count: usize) -> u32 {
+    if count >= 32 { u32::MAX } else { (1 << count) - 1 }
 }

@@ -1,6 +1,6 @@
 //! What happens at a surface, for as many paths at a time as a register holds.
 
-use super::{Bundle, Tables};
+use super::{Bundle, Tables, lowest};
 use crate::brdf::Microfacet;
 use crate::geometry::{SurfacePoint, offset_origin};
 use crate::math::lanes::{Lane, Mask, Packet};
@@ -58,6 +58,7 @@ impl Tracer {
                 continue;
             }
             let slot = bundle.paths.slot.load::<P>(at);
+            let plate = bundle.met.plate.load::<P>(at);
             let key = bundle.paths.key.load::<P>(at);
             let stream = Stream::again(key, pass);
             let view = material.lobes.seen_from::<M>(wo);
@@ -80,6 +81,8 @@ impl Tracer {
                     shadows.d.push::<P>(end, asked, light.d);
                     shadows.t_max.push::<P>(end, asked, light.t_max);
                     shadows.light.push_rgb::<P>(end, asked, beta * found);
+                    shadows.plates[0].push::<P>(end, asked, plate);
+                    shadows.plates[1].push::<P>(end, asked, light.plate);
                     shadows.slot.push::<P>(end, asked, slot);
                     shadows.count += asked.bits().count_ones() as usize;
                 }
@@ -110,6 +113,7 @@ impl Tracer {
             paths.pdf.push::<P>(going, goes, next.pdf);
             paths.cos.push::<P>(going, goes, cos);
             paths.from.push::<P>(going, goes, point.p);
+            paths.plate.push::<P>(going, goes, plate);
             paths.slot.push::<P>(going, goes, slot);
             paths.key.push::<P>(going, goes, key);
             going += goes.bits().count_ones() as usize;
@@ -181,11 +185,6 @@ impl Bundle {
             }
         }
     }
-}
-
-/// So many lowest bits, at most all.
-fn lowest(count: usize) -> u32 {
-    if count >= 32 { u32::MAX } else { (1 << count) - 1 }
 }
 
 #[inline(always)]

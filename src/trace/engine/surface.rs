@@ -3,7 +3,9 @@
 use super::Paths;
 use super::table::Table;
 use crate::brdf::{Lobes, Width};
-use crate::geometry::{Geometry, Hit, Kind, SurfacePoint, flat_surface, shading_normal};
+use crate::geometry::{
+    Geometry, Hit, Kind, NO_PLATE, PlateHits, SurfacePoint, flat_surface, resolve, shading_normal,
+};
 use crate::math::columns::{Column, Columns3};
 use crate::math::lanes::{Bits, Lane, Mask, Packet};
 use crate::math::{Rgb, V3};
@@ -72,6 +74,9 @@ pub(super) struct Met {
     /// `u32::MAX` for nothing.
     pub(super) primitive: Column<u32>,
     pub(super) material: Column<u32>,
+    pub(super) plate: Column<u32>,
+    /// All ones where distance and weights are still to be found.
+    rough: Column<u32>,
     /// A triangle's corners; another shape's point, normal and bound on the error.
     corners: [Columns3; 3],
     /// Normals of a smooth triangle's corners.
@@ -92,19 +97,51 @@ pub(super) struct Surfaces<P: Lane> {
 }
 
 impl Met {
+    /// Takes down the plates that rays met, if any.
+    #[inline(always)]
+    pub(super) fn on_plates<P: Packet>(&mut self, at: usize, hits: &PlateHits<P>) {
+        let none = P::Bits::splat(u32::MAX);
+        let missed = P::equal_bits(hits.plate, P::Bits::splat(NO_PLATE));
+        self.t.store(at, hits.t);
+        self.primitive.store::<P>(at, P::select_bits(missed, none, hits.triangle));
+        self.plate.store::<P>(at, hits.plate);
+        self.rough.store::<P>(at, P::select_bits(missed, P::Bits::splat(0), none));
+    }
+
     /// Takes down what one ray met.
     #[inline(always)]
-    pub(super) fn set(&mut self, at: usize, hit: Option<Hit>) {
+    pub(super) fn set(&mut self, at: usize, hit: Option<Hit>, plate: u32) {
         let hit = hit.unwrap_or(Hit { t: f32::INFINITY, primitive: u32::MAX, b: [0.0; 2] });
         self.t.0[at] = hit.t;
         self.primitive.0[at] = hit.primitive;
         self.b[0].0[at] = hit.b[0];
         self.b[1].0[at] = hit.b[1];
+        self.plate.0[at] = plate;
+        self.rough.0[at] = 0;
+    }
+
+    /// Finds distances and weights where they are not known yet; the shapes have to be there.
+    #[inline(always)]
+    pub(super) fn resolve<P: Packet>(&mut self, paths: &Paths, count: usize) {
+        for at in (0..count).step_by(P::WIDTH) {
+            let rough = !P::equal_bits(self.rough.load::<P>(at), P::Bits::splat(0));
+            if !rough.any() {
+                continue;
+            }
+            let [a, b, c] = &self.corners;
+            let corners = [a.load::<P>(at), b.load::<P>(at), c.load::<P>(at)];
+            let (o, d) = (paths.o.load::<P>(at), paths.d.load::<P>(at));
+            let (t, b) = resolve(o, d, corners, rough);
+            self.t.store(at, P::select(rough, t, self.t.load::<P>(at)));
+            for (column, b) in self.b.iter_mut().zip(b) {
+                column.store(at, P::select(rough, b, column.load::<P>(at)));
+            }
+        }
     }
 
     /// Gathers the shapes.
     #[inline(always)]
-    pub(super) fn fetch<P: Packet>(&mut self, geometry: &Geometry, paths: &Paths, count: usize) {
+    pub(super) fn fetch(&mut self, geometry: &Geometry, paths: &Paths, count: usize) {
         for at in 0..count {
             let primitive = self.primitive.0[at];
             if primitive == u32::MAX {

@@ -44,7 +44,7 @@ pub(super) fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
         // SAFETY: the machine was just found to have these.
         unsafe { featured(kernel) }
     } else {
-        kernel.run::<F32x8, F32x8>()
+        kernel.run::<F32x8, f32>()
     }
 }
 
