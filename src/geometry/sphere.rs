@@ -19,7 +19,7 @@ impl Sphere {
     pub fn intersect(&self, o: V3, d: V3, t_max: f32) -> Option<f32> {
         let t = intersect(self.centre, self.radius, o, d);
         // Both roots may be wanted: the first may be behind, or at the origin itself.
-        t.into_iter().find(|&t| t > 0.0 && t <= t_max)
+        t.into_iter().find(|&t| t > 0.0 && t <= t_max && t < f32::INFINITY)
     }
 
     /// The surface nearest to `p`.

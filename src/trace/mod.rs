@@ -13,7 +13,7 @@ mod reference;
 mod roulette;
 mod rules;
 
-use crate::brdf::{Erratum, Lobes, Normals};
+use crate::brdf::{Erratum, Lobes, Model, Normals};
 use crate::geometry::Stack;
 use crate::math::{Lane, Rgb};
 use crate::scene::{Camera, CameraRays, Material, Scene};
@@ -106,8 +106,11 @@ pub struct Method {
 }
 
 impl Method {
-    fn is_plain(&self) -> bool {
-        self.normals == Normals::Visible && self.erratum.is_none()
+    /// Whether this is the right tracer with visible normals. An erratum about another model is
+    /// none, and Phong has one way to draw normals only.
+    fn is_plain(&self, model: Model) -> bool {
+        let normals = self.normals == Normals::Visible || model == Model::Phong;
+        normals && !self.erratum.is_some_and(|e| e.concerns(model))
     }
 }
 

@@ -50,7 +50,7 @@ impl Tracer {
     pub fn sample<M: Microfacet>(&self, x: u32, y: u32, pass: u64, scratch: &mut Scratch) -> Rgb {
         let mut radiance = Rgb::BLACK;
         let (pixels, each) = (&mut [[x, y]].into_iter(), &mut |found| radiance = found);
-        if self.method.is_plain() {
+        if self.method.is_plain(M::MODEL) {
             let rules = Right::<M>::default();
             Pixels { tracer: self, pixels, pass, scratch, each, rules }.run();
         } else {

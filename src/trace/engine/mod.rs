@@ -93,7 +93,7 @@ impl Tracer {
         scratch: &mut Scratch,
         each: &mut dyn FnMut(Rgb),
     ) {
-        if !self.method.is_plain() {
+        if !self.method.is_plain(M::MODEL) {
             return self.sample_each_otherwise(M::MODEL, pixels, pass, scratch, each);
         }
         loop {

@@ -1,0 +1,209 @@
+//! The tracer that runs, held against the one that one reads.
+
+mod support;
+
+use burnish::brdf::{Microfacet, Model, ModelVisitor};
+use burnish::math::Rgb;
+use burnish::math::lanes::Isa;
+use burnish::progressive::Params;
+use burnish::scene::builtin::Example;
+use burnish::scene::{Camera, Material, Mesh, Scene, SceneBuilder};
+use burnish::trace::{Scratch, Strategy, Tracer};
+use glam::{DAffine3, DVec3};
+use std::sync::Arc;
+use support::{Mean, Random};
+
+/// Every shape, smooth and flat, every kind of light, diffuse, glossy and both, and what is in none
+/// of the easy cases: many materials, and a mesh that is no plate.
+fn everything() -> Scene {
+    let mut b = SceneBuilder::new("everything");
+    let mut materials = Vec::new();
+    for i in 0..20 {
+        let x = f64::from(i) / 20.0;
+        let ks = if i % 3 == 0 { [0.0; 3] } else { [0.3, 0.5 * x, 0.4] };
+        let kd = if i % 5 == 1 { [0.0; 3] } else { [0.5, 0.7 * x, 0.3] };
+        materials.push(b.material(Material::reflecting(format!("{i}"), kd, ks, 1e4 * x).unwrap()));
+    }
+    b.cuboid(DVec3::splat(-2.0), DVec3::new(4.0, 4.0, 2.5), materials[4]).unwrap();
+    let mut r = Random::new(4);
+    let mut smooth = Mesh::default();
+    for (i, &material) in materials.iter().enumerate() {
+        let p = DVec3::new(r.within(-1.6, 1.6), r.within(-1.0, 1.6), r.within(-1.8, -0.6));
+        match i % 3 {
+            0 => b.sphere(p, 0.25, material).unwrap(),
+            1 => b.cylinder(p, DVec3::new(0.1, 0.2, 0.5), 0.15, material).unwrap(),
+            _ => b.cuboid(p, DVec3::splat(0.3), material).unwrap(),
+        }
+    }
+    for i in 0..60 {
+        let angle = f64::from(i) * 0.1;
+        let (s, c) = angle.sin_cos();
+        smooth.positions.push(DVec3::new(s, c, 0.1 * angle - 1.5) * 0.8);
+        smooth.normals.push(DVec3::new(s, c, 0.3).normalize());
+        if i >= 2 {
+            smooth.triangles.push([i - 2, i - 1, i].map(|x| x as u32));
+        }
+    }
+    b.mesh(&smooth, DAffine3::IDENTITY, materials[7]).unwrap();
+    let lamp = b.material(Material::light("lamp", [5.0, 4.0, 3.0]).unwrap());
+    let shiny = Material {
+        emission: [2.0, 3.0, 4.0],
+        ..Material::reflecting("shiny", [0.2; 3], [0.3; 3], 50.0).unwrap()
+    };
+    let shiny = b.material(shiny);
+    b.sphere(DVec3::new(-1.0, 0.0, -0.2), 0.2, lamp).unwrap();
+    b.cylinder(DVec3::new(1.0, 1.0, -0.3), DVec3::new(0.2, 0.0, 0.3), 0.1, shiny).unwrap();
+    b.cuboid(DVec3::new(0.2, 0.3, 0.2), DVec3::new(0.4, 0.4, 0.0), lamp).unwrap();
+    // Open above, so that the environment looks in.
+    b.environment = [0.2, 0.25, 0.3];
+    b.camera = Some(
+        Camera::look_at(DVec3::new(0.1, -1.9, -0.4), DVec3::new(0.0, 1.0, -1.0), 0.8).unwrap(),
+    );
+    b.build()
+}
+
+fn scenes() -> Vec<Scene> {
+    let shipped = ["default", "cornell", "plates", "lights"]
+        .map(|name| Example::named(name).unwrap().read().unwrap().0.build());
+    std::iter::once(everything()).chain(shipped).collect()
+}
+
+/// A pass of some pixels, by the engine or one by one.
+struct Pass<'a> {
+    tracer: &'a Tracer,
+    pixels: &'a [[u32; 2]],
+    pass: u64,
+    one_by_one: bool,
+    scratch: &'a mut Scratch,
+}
+
+impl ModelVisitor for Pass<'_> {
+    type Output = Vec<Rgb>;
+    fn visit<M: Microfacet>(self) -> Vec<Rgb> {
+        let Pass { tracer, pixels, pass, one_by_one, scratch } = self;
+        if one_by_one {
+            return pixels.iter().map(|&[x, y]| tracer.sample::<M>(x, y, pass, scratch)).collect();
+        }
+        let mut found = Vec::new();
+        tracer.sample_each::<M>(&mut pixels.iter().copied(), pass, scratch, &mut |c| found.push(c));
+        found
+    }
+}
+
+fn all_pixels([width, height]: [u32; 2]) -> Vec<[u32; 2]> {
+    (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).collect()
+}
+
+fn pass(params: &Params, pixels: &[[u32; 2]], pass: u64, one_by_one: bool) -> (Vec<Rgb>, [u64; 2]) {
+    let tracer = params.tracer();
+    let mut scratch = tracer.scratch();
+    let work = Pass { tracer: &tracer, pixels, pass, one_by_one, scratch: &mut scratch };
+    let found = params.model.visit(work);
+    (found, [scratch.rays, scratch.capped])
+}
+
+fn near(a: Rgb, b: Rgb) -> bool {
+    let near = |a: f32, b: f32| (a - b).abs() <= 1e-3 * (a.abs() + b.abs()) + 1e-6;
+    near(a.r, b.r) && near(a.g, b.g) && near(a.b, b.b)
+}
+
+/// The same random numbers and the same decisions: nearly every sample is the same but for the
+/// order of its sums. Where rounding has turned a decision, it has turned it without a bias.
+#[test]
+fn the_engine_finds_what_the_reference_finds() {
+    let size = [48, 36];
+    let pixels = all_pixels(size);
+    for (i, mut scene) in scenes().into_iter().enumerate() {
+        for (j, isa) in Isa::available().into_iter().enumerate() {
+            scene.set_isa(isa);
+            let shared = Arc::new(scene);
+            let model = Model::ALL[(i + j) % 3];
+            let strategy = Strategy::ALL[i % 3];
+            let params = Params { model, size, strategy, ..Params::new(shared.clone()) };
+            let (mut same, mut all, mut difference) = (0, 0, Mean::default());
+            for number in 0..4 {
+                let (engine, [rays, capped]) = pass(&params, &pixels, number, false);
+                let (reference, [truth, _]) = pass(&params, &pixels, number, true);
+                assert_eq!((engine.len(), capped), (pixels.len(), 0));
+                assert!(rays.abs_diff(truth) * 200 < truth, "{rays} rays, not {truth}");
+                for (a, b) in engine.into_iter().zip(reference) {
+                    assert!(a.is_finite() && b.is_finite());
+                    all += 1;
+                    same += usize::from(near(a, b));
+                    let sum = a.luminance() + b.luminance() + 0.1;
+                    difference.add(f64::from((a.luminance() - b.luminance()) / sum));
+                }
+            }
+            let name = format!("{} {isa:?} {model:?} {strategy:?}", params.scene.name());
+            assert!(same * 100 >= all * 97, "{name}: {same} of {all} are the same");
+            assert!(
+                difference.mean.abs() <= 4.0 * difference.standard_error() + 1e-6,
+                "{name}: {} +- {}",
+                difference.mean,
+                difference.standard_error()
+            );
+            drop(params);
+            scene = Arc::into_inner(shared).expect("nobody else holds it");
+        }
+    }
+}
+
+/// A pixel's sample is its own: the same bits alone, backwards, and among however many others.
+#[test]
+fn no_path_depends_on_its_neighbours() {
+    let params = Params { size: [50, 40], ..Params::new(Arc::new(everything())) };
+    let pixels = all_pixels(params.size);
+    for model in Model::ALL {
+        let params = Params { model, ..params.clone() };
+        let (together, [rays, _]) = pass(&params, &pixels, 5, false);
+        let backwards: Vec<_> = pixels.iter().copied().rev().collect();
+        let (mut back, [rays_back, _]) = pass(&params, &backwards, 5, false);
+        back.reverse();
+        assert!(back == together && rays == rays_back, "{model:?}");
+        for (i, &pixel) in pixels.iter().enumerate().step_by(37) {
+            assert_eq!(pass(&params, &[pixel], 5, false).0, [together[i]], "{model:?} {pixel:?}");
+        }
+    }
+}
+
+/// AVX2 and AVX-512 differ in how much they do at a time and in nothing else.
+#[test]
+fn the_wide_sets_give_the_same_bits() {
+    let pixels = all_pixels([40, 30]);
+    for mut scene in scenes() {
+        let mut found: Vec<Vec<Rgb>> = Vec::new();
+        for isa in Isa::available().into_iter().filter(|isa| *isa != Isa::Portable) {
+            scene.set_isa(isa);
+            let shared = Arc::new(scene);
+            let params = Params { size: [40, 30], ..Params::new(shared.clone()) };
+            found.push((0..3).flat_map(|n| pass(&params, &pixels, n, false).0).collect());
+            drop(params);
+            scene = Arc::into_inner(shared).expect("nobody else holds it");
+        }
+        assert!(found.windows(2).all(|w| w[0] == w[1]), "{}", scene.name());
+    }
+}
+
+/// Depth limits cut where the reference cuts, and a scene may have nothing in it at all.
+#[test]
+fn limits_and_empty_scenes_are_as_in_the_reference() {
+    let scene = Arc::new(everything());
+    let pixels = all_pixels([30, 20]);
+    for max_depth in [1, 2, 5] {
+        let params =
+            Params { size: [30, 20], max_depth: Some(max_depth), ..Params::new(scene.clone()) };
+        let (engine, [rays, _]) = pass(&params, &pixels, 0, false);
+        let (reference, [truth, _]) = pass(&params, &pixels, 0, true);
+        let same = engine.iter().zip(&reference).filter(|(a, b)| near(**a, **b)).count();
+        assert!(same * 100 >= pixels.len() * 97, "{max_depth}: {same}");
+        assert!(rays.abs_diff(truth) * 200 < truth, "{max_depth}: {rays} rays, not {truth}");
+    }
+    for light in [[0.0; 3], [1.0, 2.0, 3.0]] {
+        let mut b = SceneBuilder::new("nothing");
+        b.environment = light;
+        let params = Params { size: [30, 20], ..Params::new(Arc::new(b.build())) };
+        let (found, counts) = pass(&params, &pixels, 0, false);
+        assert!(found.iter().all(|c| *c == Rgb::from(light.map(|x| x as f32))));
+        assert_eq!(counts, [pixels.len() as u64, 0]);
+    }
+}
