@@ -372,6 +372,12 @@ fn the_picture_depends_on_what_it_should_and_on_nothing_else() {
     for (strategy, alike) in [("mis", true), ("light", false), ("bsdf", false)] {
         assert_eq!(same(&["--strategy", strategy], &[]), alike, "{strategy}");
     }
+    for isa in Isa::available() {
+        let (name, best) = (isa.name(), Isa::detect());
+        // The wide sets give the same bits, the portable one has no fused sums.
+        let alike = isa == best || isa != Isa::Portable;
+        assert_eq!(same(&["--isa", name], &[]), alike, "{name}");
+    }
     assert!(same(&["--normals", "visible"], &[]));
     assert!(!same(&["--normals", "distribution"], &[]));
     assert!(!same(&["--erratum", "ggx-g-sum"], &[]));

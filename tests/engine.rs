@@ -203,7 +203,7 @@ fn limits_and_empty_scenes_are_as_in_the_reference() {
         b.environment = light;
         let params = Params { size: [30, 20], ..Params::new(Arc::new(b.build())) };
         let (found, counts) = pass(&params, &pixels, 0, false);
-        assert!(found.iter().all(|c| *c == Rgb::from(light.map(|x| x as f32))));
+        assert!(found.iter().all(|c| *c == Rgb::from(light)));
         assert_eq!(counts, [pixels.len() as u64, 0]);
     }
 }

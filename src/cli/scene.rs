@@ -1,6 +1,7 @@
 //! The scene that the command line names, read and built.
 
 use super::{Failure, talk};
+use burnish::math::lanes::Isa;
 use burnish::scene::builtin::{Example, default_scene};
 use burnish::scene::{Camera, Light, Report, Scene, SceneBuilder};
 use std::fmt;
@@ -20,6 +21,11 @@ pub(super) struct Loaded {
 /// Reads and builds the file, or the shipped scene of that name; the default scene without either.
 /// The reader's remarks go to stderr.
 pub(super) fn load(path: Option<&Path>) -> Result<Loaded, Failure> {
+    load_for(path, None)
+}
+
+/// [`load`], to be traced with this instruction set, or the widest.
+pub(super) fn load_for(path: Option<&Path>, isa: Option<Isa>) -> Result<Loaded, Failure> {
     let start = Instant::now();
     let (builder, report) = read(path)?;
     let load_s = start.elapsed().as_secs_f64();
@@ -30,7 +36,11 @@ pub(super) fn load(path: Option<&Path>) -> Result<Loaded, Failure> {
         talk::note(note);
     }
     let start = Instant::now();
-    let scene = Arc::new(builder.build());
+    let mut scene = builder.build();
+    if let Some(isa) = isa {
+        scene.set_isa(isa);
+    }
+    let scene = Arc::new(scene);
     let loaded = Loaded { scene, load_s, build_s: start.elapsed().as_secs_f64() };
     talk::detail(&loaded);
     Ok(loaded)
@@ -54,7 +64,7 @@ impl fmt::Display for Loaded {
         )?;
         write!(
             f,
-            "read in {:.3} s, tree built in {:.3} s: {:.1} MiB, {} levels, met by {}",
+            "read in {:.3} s, tree built in {:.3} s: {:.1} MiB, {} levels, traced by {}",
             self.load_s,
             self.build_s,
             scene.bvh().bytes() as f64 / 1048576.0,

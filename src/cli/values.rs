@@ -1,6 +1,7 @@
 //! From the text of an argument to its value. Errors complete clap's "invalid value" line.
 
 use burnish::brdf::{Erratum, Model, Normals, Roughness};
+use burnish::math::lanes::Isa;
 use burnish::picture::{Curve, Format, Tone};
 use burnish::progressive::{Params, Strategy};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -113,6 +114,11 @@ pub(super) fn normals() -> impl TypedValueParser<Value = Normals> {
     one_of(Normals::ALL, Normals::name)
 }
 
+/// An instruction set of this machine by its lower-case name.
+pub(super) fn isa() -> impl TypedValueParser<Value = Isa> {
+    one_of(Isa::available(), Isa::name)
+}
+
 /// An erratum by its name.
 pub(super) fn erratum() -> impl TypedValueParser<Value = Erratum> {
     one_of(Erratum::ALL, Erratum::name)
@@ -167,15 +173,16 @@ pub(super) fn worker_count(threads: usize) -> usize {
     if threads > 0 { threads } else { std::thread::available_parallelism().map_or(1, |n| n.get()) }
 }
 
-fn one_of<T, const N: usize>(
-    all: [T; N],
+fn one_of<T>(
+    all: impl IntoIterator<Item = T>,
     name: impl Fn(T) -> &'static str + Clone + Send + Sync + 'static,
 ) -> impl TypedValueParser<Value = T>
 where
     T: Copy + Send + Sync + 'static,
 {
-    PossibleValuesParser::new(all.map(&name)).try_map(move |text| {
-        all.into_iter().find(|&x| name(x) == text).ok_or_else(|| format!("unknown: {text}"))
+    let all: Vec<T> = all.into_iter().collect();
+    PossibleValuesParser::new(all.iter().map(|&x| name(x))).try_map(move |text| {
+        all.iter().copied().find(|&x| name(x) == text).ok_or_else(|| format!("unknown: {text}"))
     })
 }
 

@@ -47,6 +47,8 @@ struct Plate {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Plates {
     plates: Vec<Plate>,
+    /// The places of all of them.
+    all: Vec<u32>,
     /// Those that bodies may lie behind, as seen from between surfaces: not on the convex hull.
     inner: Vec<u32>,
     /// Triangles and their plates, by triangle.
@@ -98,10 +100,10 @@ impl Plates {
             .collect();
         plate_of.sort_unstable();
         plate_of.dedup();
-        let inner = (0..plates.len() as u32)
-            .filter(|&i| !is_on_the_hull(geometry, &plates[i as usize]))
-            .collect();
-        Plates { plates, inner, plate_of }
+        let all: Vec<u32> = (0..plates.len() as u32).collect();
+        let hides = |&&i: &&u32| !is_on_the_hull(geometry, &plates[i as usize]);
+        let inner = all.iter().filter(hides).copied().collect();
+        Plates { plates, all, inner, plate_of }
     }
 
     /// The triangles that belong to plates, in order.
@@ -169,11 +171,8 @@ impl Plates {
     ) -> [P::Mask; 2] {
         let clearance = [clearance(o), d.length()];
         let (mut blocked, mut open) = (P::mask(0), P::mask(0));
-        let all = self.plates.len() as u32;
-        let inner = if between { &self.inner[..] } else { &[] };
-        let count = if between { inner.len() } else { all as usize };
-        for i in 0..count {
-            let at = if between { inner[i] } else { i as u32 };
+        let candidates = if between { &self.inner } else { &self.all };
+        for &at in candidates {
             let met = self.plates[at as usize].meet(o, d, clearance);
             let this = P::Bits::splat(at);
             let own = P::equal_bits(from, this) | P::equal_bits(to, this);
@@ -408,8 +407,10 @@ mod tests {
     /// and whether it is open; and for the same rays cut at `t_max` whether they are blocked.
     struct Quick<'a> {
         scene: &'a Scene,
-        rays: &'a [(Ray, f32, [u32; 2])],
+        rays: &'a [Segment],
     }
+    /// A ray, how far it goes, and the plates at its ends.
+    type Segment = (Ray, f32, [u32; 2]);
     type Answer = (Option<Hit>, bool, [bool; 2]);
 
     impl Kernel for Quick<'_> {
@@ -420,7 +421,7 @@ mod tests {
             let mut answers = Vec::new();
             for rays in self.rays.chunks_exact(16) {
                 for rays in rays.chunks_exact(P::WIDTH) {
-                    let column = |f: &dyn Fn(&(Ray, f32, [u32; 2])) -> f32| {
+                    let column = |f: &dyn Fn(&Segment) -> f32| {
                         let mut x = [0.0; 16];
                         x.iter_mut().zip(rays).for_each(|(x, ray)| *x = f(ray));
                         P::load(&x)
@@ -474,7 +475,7 @@ mod tests {
 
     /// Rays from anywhere, from surfaces, and at the very edges and corners; some of them from
     /// surface to surface.
-    fn rays(scene: &Scene, numbers: &mut Numbers) -> Vec<(Ray, f32, [u32; 2])> {
+    fn rays(scene: &Scene, numbers: &mut Numbers) -> Vec<Segment> {
         let (geometry, plates) = (scene.geometry(), scene.bvh().plates());
         let count = geometry.triangles.len();
         let mut rays = Vec::new();

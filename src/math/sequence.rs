@@ -84,7 +84,7 @@ impl<B: Bits> Stream<B> {
     #[inline(always)]
     pub fn new(seed: u64, x: B, y: B, pass: u64) -> Stream<B> {
         let replicate = (pass % REPLICATES as u64) as u32;
-        let block = (pass / REPLICATES as u64 >> 16) as u32;
+        let block = ((pass / REPLICATES as u64) >> 16) as u32;
         // Equal for all pixels of a pass; mix is a bijection, so no two pixels share a key.
         let mut salt = mix_u32(seed as u32);
         salt = mix_u32(salt ^ (seed >> 32) as u32 ^ 0x9e37_79b9);

@@ -346,3 +346,67 @@ fn shares(powers: &[f64]) -> Vec<u32> {
     }
     widths
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::lanes::U32;
+
+    #[test]
+    fn shares_are_all_numbers_and_follow_the_powers() {
+        for powers in [
+            vec![1.0],
+            vec![1.0, 1.0],
+            vec![1e-30, 1.0, 1e30],
+            vec![3.0, 1.0, 0.0, 4.0],
+            (1..=100_000).map(f64::from).collect(),
+        ] {
+            let widths = shares(&powers);
+            let sum: u64 = widths.iter().map(|&w| u64::from(w)).sum();
+            // A single light would need one number more than 32 bits count.
+            assert!(sum == 1 << 32 || (powers.len() == 1 && sum == u64::from(u32::MAX)), "{sum}");
+            let total: f64 = powers.iter().sum();
+            for (power, &width) in powers.iter().zip(&widths) {
+                assert!(width > 0);
+                let wanted = power / total * RANGE;
+                let off = (f64::from(width) - wanted).abs();
+                assert!(
+                    off <= 2.0 + powers.len() as f64,
+                    "{power} of {total}: {width}, not {wanted}"
+                );
+            }
+        }
+    }
+
+    /// Few lights are counted through, many searched: both find the light in whose share a number
+    /// is, at its very ends too.
+    #[test]
+    fn a_light_is_chosen_by_its_share() {
+        for count in [1, 2, 15, 16, 17, 40, 1000] {
+            let powers: Vec<f64> = (0..count).map(|i| f64::from(1 + i * 7 % 5)).collect();
+            let widths = shares(&powers);
+            let mut end = 0u64;
+            let ends: Vec<u64> = widths
+                .iter()
+                .map(|&width| {
+                    end += u64::from(width);
+                    end
+                })
+                .collect();
+            let table = LightTable {
+                lights: Table::new(vec![[0.0; FIELDS]; count as usize]),
+                ends: ends[..ends.len() - 1].iter().map(|&end| end as u32).collect(),
+                ranges: Vec::new(),
+                primitives: Vec::new(),
+                environment_probability: 0.0,
+            };
+            for (light, &end) in ends.iter().enumerate() {
+                let start = end - u64::from(widths[light]);
+                for number in [start, (start + end) / 2, end - 1] {
+                    let found = table.choose::<f32>(U32(number as u32)).0;
+                    assert_eq!(found as usize, light, "{number} of {count}");
+                }
+            }
+        }
+    }
+}
