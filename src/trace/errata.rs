@@ -7,7 +7,6 @@ use super::{Scratch, Strategy, Tracer};
 use crate::brdf::errata::lobe_frame;
 use crate::brdf::{Erratum, Evaluation, Formulas, LobeSample, Lobes, Model, View};
 use crate::geometry::Ray;
-use crate::math::lanes::Wide;
 use crate::math::{Rgb, V3};
 
 /// The chance with which the seed's roulette asks a light at all; it never divides by it.
@@ -100,7 +99,7 @@ impl Rules for Wrong {
         }
     }
 
-    fn sees<W: Wide>(
+    fn sees(
         &self,
         tracer: &Tracer,
         vertex: &Vertex,
@@ -124,7 +123,7 @@ impl Rules for Wrong {
                 bvh.closest(geometry, &ray, f32::INFINITY, &mut scratch.stack)
                     .is_some_and(|hit| (ray.at(hit.t) - asked).length() < self.tolerance)
             }
-            _ => tracer.sees::<Self, W>(self, vertex, light, scratch),
+            _ => tracer.sees(self, vertex, light, scratch),
         }
     }
 

@@ -6,7 +6,7 @@ use super::rules::{Right, Rules};
 use super::{DEPTH_CAP, Scratch, Tracer, roulette};
 use crate::brdf::{Microfacet, Model};
 use crate::geometry::{Ray, SurfacePoint, offset_origin};
-use crate::math::lanes::{F32x8, U32, Wide};
+use crate::math::lanes::U32;
 use crate::math::sequence::{Slot, Stream, pair};
 use crate::math::{Frame, Rgb, V3};
 
@@ -38,7 +38,7 @@ impl<R: Rules> Pixels<'_, R> {
             let stream = Stream::new(self.tracer.seed, U32(x), U32(y), self.pass);
             let [dx, dy] = pair::<f32>(&stream, Slot::CAMERA);
             let ray = self.tracer.camera.ray(x as f32 + dx, y as f32 + dy);
-            let found = self.tracer.radiance::<R, F32x8>(&self.rules, ray, &stream, self.scratch);
+            let found = self.tracer.radiance(&self.rules, ray, &stream, self.scratch);
             (self.each)(self.rules.kept(found));
         }
     }
@@ -74,7 +74,7 @@ impl Tracer {
     }
 
     #[inline(always)]
-    fn radiance<R: Rules, W: Wide>(
+    fn radiance<R: Rules>(
         &self,
         rules: &R,
         mut ray: Ray,
@@ -89,12 +89,8 @@ impl Tracer {
         let mut from: Option<(Vertex, f32)> = None;
         for event in 0.. {
             scratch.rays += 1;
-            let hit = self.scene.bvh().closest_with::<W>(
-                geometry,
-                &ray,
-                f32::INFINITY,
-                &mut scratch.stack,
-            );
+            let bvh = self.scene.bvh();
+            let hit = bvh.closest(geometry, &ray, f32::INFINITY, &mut scratch.stack);
             let Some(hit) = hit else {
                 let weight = from.as_ref().map_or(1.0, |(vertex, pdf)| {
                     let other = self.lights.environment_pdf(vertex.frame.n.dot(ray.d));
@@ -133,7 +129,7 @@ impl Tracer {
                 let e = rules.eval(&view, wi);
                 let weight = rules.asked(strategy, light.pdf, e.pdf);
                 let found = light.radiance * e.f * (rules.cosine(wi.z) / light.pdf * weight);
-                if !found.is_black() && rules.sees::<W>(self, &vertex, &light, scratch) {
+                if !found.is_black() && rules.sees(self, &vertex, &light, scratch) {
                     sum += beta * found;
                 }
             }
@@ -165,7 +161,7 @@ impl Tracer {
 
     /// Whether nothing is between a vertex and a point on a light, or infinity.
     #[inline(always)]
-    pub(super) fn sees<R: Rules, W: Wide>(
+    pub(super) fn sees<R: Rules>(
         &self,
         rules: &R,
         vertex: &Vertex,
@@ -182,7 +178,7 @@ impl Tracer {
         };
         scratch.rays += 1;
         let geometry = self.scene.geometry();
-        !self.scene.bvh().occluded_with::<W>(geometry, &Ray { o, d }, t_max, &mut scratch.stack)
+        !self.scene.bvh().occluded(geometry, &Ray { o, d }, t_max, &mut scratch.stack)
     }
 }
 

@@ -7,7 +7,6 @@ use super::light::LightSample;
 use super::reference::Vertex;
 use super::{Scratch, Strategy, Tracer};
 use crate::brdf::{Evaluation, LobeSample, Lobes, Microfacet, View};
-use crate::math::lanes::Wide;
 use crate::math::{Rgb, V3};
 use std::marker::PhantomData;
 
@@ -48,14 +47,14 @@ pub(super) trait Rules: Sized {
 
     /// Whether a light is seen.
     #[inline(always)]
-    fn sees<W: Wide>(
+    fn sees(
         &self,
         tracer: &Tracer,
         vertex: &Vertex,
         light: &LightSample,
         scratch: &mut Scratch,
     ) -> bool {
-        tracer.sees::<Self, W>(self, vertex, light, scratch)
+        tracer.sees(self, vertex, light, scratch)
     }
 
     /// What a film gets of a sample.

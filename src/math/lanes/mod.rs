@@ -235,6 +235,12 @@ pub fn dispatch<K: Kernel>(isa: Isa, kernel: K) -> K::Output {
         Isa::Avx2 => x86::run_avx2(kernel),
         #[cfg(target_arch = "x86_64")]
         Isa::Avx512 => x86::run_avx512(kernel),
-        _ => kernel.run::<F32x8, f32>(),
+        _ => run_portably(kernel),
     }
+}
+
+/// Of its own, so that each kernel is compiled once for all its callers.
+#[inline(never)]
+fn run_portably<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run::<F32x8, f32>()
 }

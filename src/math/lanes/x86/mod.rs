@@ -4,7 +4,7 @@
 mod avx2;
 mod avx512;
 
-use super::{F32x8, Isa, Kernel};
+use super::{Isa, Kernel, run_portably};
 use avx2::Avx2;
 use avx512::Avx512;
 
@@ -44,7 +44,7 @@ pub(super) fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
         // SAFETY: the machine was just found to have these.
         unsafe { featured(kernel) }
     } else {
-        kernel.run::<F32x8, f32>()
+        run_portably(kernel)
     }
 }
 
