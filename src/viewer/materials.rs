@@ -9,9 +9,11 @@ use burnish::scene::{Material, MaterialId};
 use egui::{Align, Button, Layout, Response, RichText, ScrollArea, Ui};
 
 /// At least so many lines are shown at once; half a line tells that there are more.
-const LINES: f32 = 5.5;
+const LINES: f32 = 3.5;
 /// Height of all else in the panel, in points: a tall window has room for more lines.
 const REST: f32 = 760.0;
+
+const HINT: &str = "pick one, here or in the picture";
 
 #[derive(Default)]
 pub(super) struct Materials {
@@ -30,7 +32,6 @@ impl Materials {
             let height = height.max(ui.clip_rect().height() - REST);
             let area = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
             area.show(ui, |ui| self.list(ui, document));
-            ui.add_space(theme::GAP);
             surface::fields(ui, document);
         });
     }
@@ -61,6 +62,8 @@ fn header(ui: &mut Ui) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         ui.label(RichText::new("Kd Ks").small().weak());
+        ui.add_space(8.0);
+        ui.label(RichText::new(HINT).small().weak());
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.add_space(theme::GAP);
             ui.label(RichText::new("a_p").small().weak());

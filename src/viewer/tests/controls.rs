@@ -10,10 +10,12 @@ fn every_control_is_found_by_its_label() {
     {
         desk.harness.get_by_role_and_label(Role::Button, label);
     }
-    for label in ["Undo", "Redo", "Command", "Open", "Reload", "Passes", "Error", "Time"] {
+    for label in
+        ["Undo", "Redo", "Command", "Open", "Save scene", "Reload", "Passes", "Error", "Time"]
+    {
         desk.harness.get_by_role_and_label(Role::Button, label);
     }
-    desk.harness.get_by_role_and_label(Role::ComboBox, "Examples");
+    desk.harness.get_by_role_and_label(Role::Button, "Scenes");
     for curve in Curve::ALL {
         desk.harness.get_by_label(curve.title());
     }
@@ -23,7 +25,7 @@ fn every_control_is_found_by_its_label() {
     for slider in ["Roughness", "Exposure"] {
         desk.harness.get_by_role_and_label(Role::Slider, slider);
     }
-    for section in ["Materials", "View", "Errata and method", "Scene", "Picture"] {
+    for section in ["Materials", "View", "Tracing", "Errata and method", "Scene", "Picture"] {
         desk.harness.get_by_label(section);
     }
     // And nothing that can be used is without a name.
@@ -215,7 +217,7 @@ fn every_button_with_a_key_says_so() {
     for name in
         ["Phong", "Beckmann", "GGX", "Pause", "Restart", "Snapshot", "Home", "Frame", "Copy"]
             .into_iter()
-            .chain(["Undo", "Redo", "Command", "Open", "Reload"])
+            .chain(["Undo", "Redo", "Command", "Open", "Save scene", "Reload"])
     {
         let node = desk.harness.get_by_role_and_label(Role::Button, name);
         let description = egui_kittest::kittest::NodeT::accesskit_node(&node).description();

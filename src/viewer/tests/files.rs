@@ -157,7 +157,7 @@ fn closing_at_any_moment_leaves_whole_files_or_none() {
 #[test]
 fn the_menu_has_every_shipped_scene_and_opens_it() {
     let mut desk = Desk::new();
-    desk.click_role(Role::ComboBox, "Examples");
+    desk.click_role(Role::Button, "Scenes");
     desk.harness.run_steps(3);
     for example in &EXAMPLES {
         desk.harness.get_by_role_and_label(Role::Button, example.title);

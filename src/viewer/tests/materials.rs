@@ -2,6 +2,8 @@
 
 use super::*;
 use burnish::scene::Material;
+use egui::accesskit::Toggled;
+use egui_kittest::kittest::NodeT;
 
 /// With a material picked, a picture of a few passes there.
 fn desk(picked: u32) -> Desk {
@@ -23,7 +25,7 @@ fn is_there(desk: &Desk, role: Role, label: &str) -> bool {
 fn fields_are_there_for_the_picked_material_alone() {
     let mut desk = Desk::done(1);
     assert!(!is_there(&desk, Role::SpinButton, "Kd red"));
-    desk.harness.get_by_label("Pick one, here or in the picture, to edit it.");
+    desk.harness.get_by_label("pick one, here or in the picture");
     desk.document(|d| d.pick(Some(0)));
     desk.harness.run_ok();
     for quantity in ["Kd", "Ks"] {
@@ -94,4 +96,28 @@ fn a_light_has_its_emission() {
     // Turned off, it can be turned on again.
     desk.type_into("Emits blue", "0");
     assert!(is_there(&desk, Role::SpinButton, "Emits blue"));
+}
+
+#[test]
+fn picking_in_the_list_and_in_the_picture_is_the_same() {
+    let mut desk = Desk::done(1);
+    let name = material(&desk, 1).name.clone();
+    let chosen = |desk: &Desk, name: &str| {
+        let rows = desk.harness.get_all_by_role_and_label(Role::Button, name);
+        rows.filter(|row| row.accesskit_node().toggled() == Some(Toggled::True)).count()
+    };
+    assert_eq!(chosen(&desk, &name), 0);
+    desk.click(&name);
+    desk.harness.run_ok();
+    assert_eq!((desk.doc().picked, desk.doc().only_picked), (Some(1), true));
+    // In the list and in the choice above.
+    assert_eq!(chosen(&desk, &name), 2);
+    desk.click_pixel(LEFT_BALL);
+    let left = material(&desk, 0).name.clone();
+    assert_eq!((chosen(&desk, &name), chosen(&desk, &left)), (0, 2));
+    desk.click_pixel(RIGHT_BALL);
+    assert_eq!((chosen(&desk, &name), chosen(&desk, &left)), (2, 0));
+    desk.click_pixel(BACKGROUND);
+    assert_eq!(chosen(&desk, &left), 0);
+    assert!(!desk.doc().only_picked);
 }
