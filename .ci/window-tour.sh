@@ -167,8 +167,16 @@ end
 grep -q "tour.scn" config/burnish/window.json || fail "the scene is not remembered"
 grep -q '"exposure": 1' config/burnish/window.json || fail "the exposure is not remembered"
 
+# The screen on which it was is gone.
+grep -q '"size": \[' config/burnish/window.json || fail "the size is not remembered"
+tr -d '\n' <config/burnish/window.json |
+    sed 's/"position": *\(null\|\[[^]]*\]\)/"position": [5000, 5000]/' >new
+mv new config/burnish/window.json
 begin
 focus "A wentletrap"
+eval "$(xdotool getwindowgeometry --shell "$window")"
+[ "$X" -lt 1280 ] && [ "$Y" -lt 720 ] || fail "the window is out of sight, at $X, $Y"
+[ "${WIDTH}x$HEIGHT" = 1280x720 ] || fail "the window is ${WIDTH}x$HEIGHT, not as it was"
 until_so "as bright as last time" snapshot_says "--exposure 1"
 shot again
 end

@@ -14,6 +14,7 @@ mod canvas;
 mod command;
 mod controls;
 mod document;
+mod effort;
 mod energy;
 mod figures;
 mod goal;
@@ -101,6 +102,7 @@ pub(crate) fn run(options: Options) -> Result<String, String> {
     let told = Told::default();
     let tell = told.clone();
     let create = move |cc: &eframe::CreationContext<'_>| {
+        bring_back(cc);
         Ok(Box::new(Shell::new(&cc.egui_ctx, &options, settings, kept, tell)) as Box<_>)
     };
     eframe::run_native("burnish", native, Box::new(create)).map_err(|e| reason(&e))?;
@@ -108,6 +110,23 @@ pub(crate) fn run(options: Options) -> Result<String, String> {
     match told.failure.take() {
         Some(why) => Err(why),
         None => Ok(std::mem::take(&mut told.figures)),
+    }
+}
+
+/// Moves a window to where it can be seen whose screen of last time is not there.
+fn bring_back(cc: &eframe::CreationContext<'_>) {
+    let Some((window, at)) = cc.winit_window().and_then(|w| Some((w, w.outer_position().ok()?)))
+    else {
+        return;
+    };
+    // Some of the line by which it is moved has to be on a screen.
+    let (x, y) = (i64::from(at.x) + 100, i64::from(at.y) + 10);
+    let screens: Vec<_> = window.available_monitors().map(|m| (m.position(), m.size())).collect();
+    let holds =
+        |low: i32, size: u32, at: i64| (0..i64::from(size)).contains(&(at - i64::from(low)));
+    let seen = screens.iter().any(|(p, s)| holds(p.x, s.width, x) && holds(p.y, s.height, y));
+    if !seen && !screens.is_empty() {
+        cc.egui_ctx.send_viewport_cmd(egui::ViewportCommand::OuterPosition(egui::pos2(64.0, 64.0)));
     }
 }
 
