@@ -15,7 +15,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 /// picture may be larger, so it is cut into sheets; whole tiles each.
 const SHEET: u32 = 64 * TILE;
 /// Pixels that the window's thread gives tones to in one frame, at most.
-const AT_ONCE: usize = 1 << 19;
+const AT_ONCE: usize = 1 << 18;
 
 type Tiles = Vec<Option<Arc<TileImage>>>;
 

@@ -121,3 +121,29 @@ fn picking_in_the_list_and_in_the_picture_is_the_same() {
     assert_eq!(chosen(&desk, &left), 0);
     assert!(!desk.doc().only_picked);
 }
+
+#[test]
+fn a_very_long_list_is_drawn_where_it_is_seen() {
+    let balls =
+        (0..1000).map(|i| format!("brdf 0.5 0.5 0.5 0.1 0.1 0.1 {}\nsphere {i} 0 0 0.4\n", i + 1));
+    let head = "screen 64 48\ncamera 0 -9 0 0.4 x 90\nlight 9 9 9\nsphere 0 -3 5 1\n";
+    let mut desk = Desk::reading(&(head.to_owned() + &balls.collect::<String>()));
+    desk.until("a scene", |app| app.document.is_some());
+    let names: Vec<String> = desk.doc().params.materials.iter().map(|m| m.name.clone()).collect();
+    let drawn =
+        |desk: &Desk| names.iter().filter(|n| desk.harness.query_by_label(n).is_some()).count();
+    assert_eq!(names.len(), 1001);
+    assert!((5..100).contains(&drawn(&desk)), "{} lines", drawn(&desk));
+    assert!(desk.harness.query_by_label(&names[700]).is_none());
+    desk.document(|d| d.pick(Some(700)));
+    desk.harness.run_ok();
+    // In the choice above the list, and in the list.
+    assert_eq!(desk.harness.query_all_by_label(&names[700]).count(), 2);
+    // Another one in sight is picked without the list being moved.
+    let before = desk.harness.get_by_label(&names[702]).rect();
+    desk.click(&names[702]);
+    desk.harness.run_ok();
+    let rows = desk.harness.query_all_by_label(&names[702]).map(|n| n.rect());
+    assert_eq!(desk.doc().picked, Some(702));
+    assert!(rows.into_iter().any(|r| r.min == before.min));
+}
