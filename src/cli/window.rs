@@ -47,25 +47,28 @@ pub(super) fn open(args: Args) -> Result<(), Failure> {
         let why = why.split_whitespace().collect::<Vec<_>>().join(" ");
         Failure::new(format_args!("no window: {why}; to render without one: {instead}"))
     })?;
-    talk::detail(figures);
+    if let Some(figures) = figures {
+        talk::detail(figures);
+    }
     Ok(())
 }
 
 #[cfg(feature = "viewer")]
-fn run(args: Args) -> Result<String, String> {
+fn run(args: Args) -> Result<Option<String>, String> {
     crate::viewer::run(crate::viewer::Options {
         scene: args.scene,
         threads: args.threads,
         reset_settings: args.reset_settings,
         size: args.size,
         light: (args.light || args.dark).then_some(args.light),
+        figures: talk::loud(talk::Volume::Verbose),
         exit_after: args.exit_after,
         screenshot: args.screenshot,
     })
 }
 
 #[cfg(not(feature = "viewer"))]
-fn run(_: Args) -> Result<String, String> {
+fn run(_: Args) -> Result<Option<String>, String> {
     Err("this burnish was built without the feature `viewer`".into())
 }
 

@@ -67,6 +67,8 @@ pub(crate) struct Options {
     pub(crate) size: Option<[u32; 2]>,
     /// Light (`Some(true)`), dark, or as the system has it.
     pub(crate) light: Option<bool>,
+    /// Measures its work, and tells of it in the end.
+    pub(crate) figures: bool,
     /// Closes after so many seconds: for smoke tests. Nothing is remembered then, from the last time
     /// or for the next.
     pub(crate) exit_after: Option<f64>,
@@ -74,9 +76,9 @@ pub(crate) struct Options {
     pub(crate) screenshot: Option<PathBuf>,
 }
 
-/// Opens the window and returns when it is closed, with a few figures about its work. The text of an
+/// Opens the window and returns when it is closed, with figures about its work if they are wished for. The text of an
 /// error says why none could be opened, or, in a smoke test, why there is no screenshot.
-pub(crate) fn run(options: Options) -> Result<String, String> {
+pub(crate) fn run(options: Options) -> Result<Option<String>, String> {
     let kept = Settings::path().filter(|_| options.exit_after.is_none());
     if let Some(path) = kept.as_deref().filter(|_| options.reset_settings) {
         Settings::reset(path)?;
@@ -109,7 +111,7 @@ pub(crate) fn run(options: Options) -> Result<String, String> {
     let mut told = told.lock().unwrap_or_else(PoisonError::into_inner);
     match told.failure.take() {
         Some(why) => Err(why),
-        None => Ok(std::mem::take(&mut told.figures)),
+        None => Ok(told.figures.take()),
     }
 }
 

@@ -21,7 +21,7 @@ pub(super) struct Ending {
     /// Why there is no screenshot.
     pub(super) failure: Option<String>,
     /// How its work went, in words.
-    pub(super) figures: String,
+    pub(super) figures: Option<String>,
 }
 pub(super) type Told = Arc<Mutex<Ending>>;
 
@@ -29,7 +29,8 @@ pub(super) struct Shell {
     app: App,
     smoke: Option<Smoke>,
     memory: Memory,
-    effort: Effort,
+    /// Measured where it is to be told.
+    effort: Option<Effort>,
     told: Told,
 }
 
@@ -58,7 +59,19 @@ impl Shell {
             settings,
             dialog: browse::native,
         };
-        Shell { app: App::new(ctx, setup), smoke, memory, effort: Effort::default(), told }
+        let effort = options.figures.then(Effort::default);
+        Shell { app: App::new(ctx, setup), smoke, memory, effort, told }
+    }
+}
+
+impl Shell {
+    /// Does some of the app's own work.
+    fn work(&mut self, work: impl FnOnce(&mut Shell)) {
+        let start = self.effort.is_some().then(Moment::now);
+        work(self);
+        if let (Some(effort), Some(start)) = (&mut self.effort, start) {
+            effort.own(&start);
+        }
     }
 }
 
@@ -66,19 +79,21 @@ impl eframe::App for Shell {
     fn logic(&mut self, ctx: &Context, frame: &mut eframe::Frame) {
         if let Some(seconds) = frame.info().cpu_usage {
             self.app.drawing_takes(seconds);
-            self.effort.frame(seconds);
+            if let Some(effort) = &mut self.effort {
+                effort.frame(seconds);
+            }
         }
-        let start = Moment::now();
-        self.app.logic(ctx);
-        self.effort.own(&start);
+        self.work(|shell| shell.app.logic(ctx));
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
-        let start = Moment::now();
-        self.app.ui(ui);
-        self.memory.note(ui.ctx(), self.app.settings(ui.ctx()));
-        self.effort.own(&start);
-        self.effort.end_frame(&self.app);
+        self.work(|shell| {
+            shell.app.ui(ui);
+            shell.memory.note(ui.ctx(), shell.app.settings(ui.ctx()));
+        });
+        if let Some(effort) = &mut self.effort {
+            effort.end_frame(&self.app);
+        }
         if let Some(smoke) = &mut self.smoke {
             smoke.step(ui.ctx());
         }
@@ -87,7 +102,7 @@ impl eframe::App for Shell {
     fn on_exit(&mut self, _: Option<&eframe::glow::Context>) {
         self.memory.write();
         let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
-        told.figures = self.effort.words();
+        told.figures = self.effort.as_ref().map(Effort::words);
     }
 
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {

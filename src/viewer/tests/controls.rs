@@ -242,3 +242,11 @@ fn undo_takes_back_one_change_after_the_other() {
         assert!(*desk.app().render.as_ref().unwrap().told() == expected);
     }
 }
+
+#[test]
+fn the_window_is_closed_by_its_key() {
+    let mut desk = Desk::new();
+    desk.chord(Modifiers::CTRL | Modifiers::COMMAND, Key::Q);
+    let told = &desk.harness.output().viewport_output[&egui::ViewportId::ROOT].commands;
+    assert!(told.contains(&egui::ViewportCommand::Close), "{told:?}");
+}
