@@ -217,8 +217,9 @@ impl App {
                 asked.extend(self.view.ui(ui, document));
                 threads = self.tracing.ui(ui, document, self.threads, self.canvas.room);
                 self.method.ui(ui, document);
-                self.proofs.ui(ui, document);
                 asked.extend(self.report.ui(ui, document, &mut self.energy, &mut watch));
+                // Last, for it grows when its proofs are done.
+                self.proofs.ui(ui, document);
             });
         });
         if let Some(source) = source {

@@ -96,6 +96,7 @@ pub(super) fn files(ui: &mut Ui, recent: &Recent, asked: &mut Vec<Action>) -> Op
 /// The menu's entries: shipped scenes, then recent ones.
 fn scenes(ui: &mut Ui, recent: &Recent) -> Option<Source> {
     let mut chosen = None;
+    ui.spacing_mut().item_spacing.y = 0.0;
     for example in &EXAMPLES {
         let entry = ui.button(example.title);
         widgets::beside(&entry, example.shows);

@@ -27,6 +27,16 @@ impl ReportPanel {
         let id = ("scene", document.number);
         let asked = widgets::section(ui, id, "Scene", badge, !warnings.is_empty(), |ui| {
             ui.spacing_mut().item_spacing.y = 4.0;
+            // First: what the model does to energy is told below it a moment later.
+            let asked = ui
+                .horizontal(|ui| {
+                    let reload = keys::binding(Action::Reload).name;
+                    let tip = keys::tooltip(ui.ctx(), Action::Reload);
+                    let pressed = ui.button(reload).on_hover_text(tip).clicked();
+                    ui.checkbox(watch, names::WATCH.name).on_hover_text(names::WATCH.tip);
+                    pressed.then_some(Action::Reload)
+                })
+                .inner;
             for warning in warnings {
                 one(ui, warning);
             }
@@ -46,15 +56,7 @@ impl ReportPanel {
                 .map(|(n, what)| format!("{n} {what}{}", if *n == 1 { "" } else { "s" }))
                 .collect();
             ui.weak(shapes.join(", "));
-            ui.add_space(4.0);
-            ui.horizontal(|ui| {
-                let reload = keys::binding(Action::Reload).name;
-                let tip = keys::tooltip(ui.ctx(), Action::Reload);
-                let pressed = ui.button(reload).on_hover_text(tip).clicked();
-                ui.checkbox(watch, names::WATCH.name).on_hover_text(names::WATCH.tip);
-                pressed.then_some(Action::Reload)
-            })
-            .inner
+            asked
         });
         asked.flatten()
     }

@@ -1,6 +1,7 @@
 //! The side panel and the keys.
 
 use super::*;
+use egui_kittest::kittest::NodeT;
 
 #[test]
 fn every_control_is_found_by_its_label() {
@@ -246,7 +247,38 @@ fn undo_takes_back_one_change_after_the_other() {
 #[test]
 fn the_window_is_closed_by_its_key() {
     let mut desk = Desk::new();
-    desk.chord(Modifiers::CTRL | Modifiers::COMMAND, Key::Q);
+    // In the very frame of the press the window is told.
+    desk.harness.event(Event::Key {
+        key: Key::Q,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers: Modifiers::CTRL | Modifiers::COMMAND,
+    });
+    desk.harness.step();
     let told = &desk.harness.output().viewport_output[&egui::ViewportId::ROOT].commands;
     assert!(told.contains(&egui::ViewportCommand::Close), "{told:?}");
+}
+
+#[test]
+fn no_control_moves_while_the_picture_gets_better() {
+    let mut desk = Desk::new();
+    for section in ["Tracing", "Errata and method", "Proofs"] {
+        desk.click_role(Role::Button, section);
+        desk.harness.run_ok();
+    }
+    let places = |desk: &Desk| {
+        let roles = [Role::Button, Role::CheckBox, Role::ComboBox, Role::Slider, Role::SpinButton];
+        let all = roles.into_iter().flat_map(|role| desk.harness.query_all_by_role(role));
+        all.map(|node| (node.accesskit_node().label().unwrap_or_default(), node.rect()))
+            .collect::<Vec<_>>()
+    };
+    desk.key(Key::R);
+    let before = places(&desk);
+    assert!(before.len() > 40, "{}", before.len());
+    desk.until("passes", |app| {
+        let newest = app.render.as_ref().unwrap().newest.as_ref().unwrap();
+        newest.passes > 100 && newest.error.is_some_and(|e| e.reliable)
+    });
+    assert_eq!(places(&desk), before);
 }

@@ -172,7 +172,10 @@ fn the_menu_has_every_shipped_scene_and_opens_it() {
 
 #[test]
 fn reload_reads_the_file_again_and_a_moved_camera_stays() {
-    let mut desk = Desk::new();
+    // By the key and the button alone.
+    let settings = Settings { watch: false, ..Settings::default() };
+    let mut desk = Desk::with(SCENE, settings, |_| Picked::Nothing);
+    desk.until("a picture", |app| app.render.as_ref().is_some_and(|r| r.newest.is_some()));
     let path = desk.folder.path().join("two.scn");
     let edited = SCENE.replace("0.5 0.1 0.1", "0.25 0.1 0.1").replace("camera 0 -6", "camera 0 -7");
     std::fs::write(&path, edited).unwrap();

@@ -157,10 +157,10 @@ fn the_switch_ends_the_looking_and_what_changed_meanwhile_is_read_when_it_is_on_
     desk.key(Key::F5);
     desk.until("the changed scene", number(1));
     assert!(desk.app().watch.is_none());
-    std::fs::write(&path, SCENE.replace("0.5 0.1 0.1", "0.75 0.1 0.1")).unwrap();
+    std::fs::write(&path, SCENE.replace("0.5 0.1 0.1", "0.875 0.1 0.1")).unwrap();
     desk.click("Read again when it changes");
     desk.until("the scene changed meanwhile", number(2));
-    assert_eq!(desk.doc().params.materials[0].kd[0], 0.75);
+    assert_eq!(desk.doc().params.materials[0].kd[0], 0.875);
 }
 
 #[test]
