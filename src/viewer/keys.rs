@@ -290,9 +290,9 @@ pub(super) fn pressed(ctx: &Context, picture_has_focus: bool) -> Vec<Action> {
             if (typing && of_text) || (focused && shortcut.logical_key == Key::Space) {
                 continue;
             }
-            if input.consume_shortcut(shortcut) {
-                actions.push(action);
-            }
+            // Where frames are slow, one may bring several presses.
+            let times = input.count_and_consume_key(shortcut.modifiers, shortcut.logical_key);
+            actions.extend(std::iter::repeat_n(action, times));
         }
     });
     actions

@@ -6,7 +6,7 @@ use super::goal::{Goal, Stop};
 use burnish::progressive::{Params, ParamsError, Session, Snapshot, State};
 use egui::Context;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// New pictures are shown at most this often, and less often where drawing is slow. Input and the
@@ -19,9 +19,9 @@ const SHARE: f32 = 3.0;
 /// So long after the last input the window is only looked at, and the workers get nearly all of the
 /// time.
 const CALM: f64 = 2.0;
-const CALM_FRAME: Duration = Duration::from_millis(250);
+const CALM_FRAME: Duration = Duration::from_millis(400);
 const CALM_SLOWEST: Duration = Duration::from_millis(2000);
-const CALM_SHARE: f32 = 40.0;
+const CALM_SHARE: f32 = 60.0;
 
 pub(super) struct Render {
     session: Session,
@@ -39,8 +39,8 @@ pub(super) struct Render {
     pub(super) newest: Option<Snapshot>,
     /// Set while the first picture after a change is awaited.
     awaited: Arc<AtomicBool>,
-    /// Milliseconds from one picture to the next.
-    pace: Arc<AtomicU64>,
+    /// From one picture to the next.
+    pace: Duration,
     /// Seconds that drawing one frame takes.
     drawing: f32,
     /// When there was input, in egui's seconds.
@@ -56,13 +56,14 @@ impl Render {
     ) -> Result<Render, ParamsError> {
         let ctx_time = ctx.input(|i| i.time);
         let awaited = Arc::new(AtomicBool::new(true));
-        let pace = Arc::new(AtomicU64::new(FRAME.as_millis() as u64));
-        let (at_once, wait, ctx) = (awaited.clone(), pace.clone(), ctx.clone());
+        let (at_once, ctx) = (awaited.clone(), ctx.clone());
         let notify = move || {
             if at_once.load(Ordering::Relaxed) {
                 ctx.request_repaint();
             } else {
-                ctx.request_repaint_after(Duration::from_millis(wait.load(Ordering::Relaxed)));
+                // The workers keep the pace; what they send out of turn, such as the end, is not to
+                // wait for long.
+                ctx.request_repaint_after(FRAME);
             }
         };
         let told = document.params.clone();
@@ -79,7 +80,7 @@ impl Render {
             latency: None,
             newest: None,
             awaited,
-            pace,
+            pace: FRAME,
             drawing: 0.0,
             touched: ctx_time,
         };
@@ -145,12 +146,12 @@ impl Render {
     /// Sets the pace of the pictures, at `now` seconds: brisk while somebody is at work in the window
     /// (`touched`), calm afterwards.
     pub(super) fn pace(&mut self, now: f64, touched: bool) {
-        if touched || self.awaited.load(Ordering::Relaxed) {
+        if touched || self.awaited.load(Ordering::Relaxed) || self.ends_soon() {
             self.touched = now;
         }
         let wait = wait(self.drawing, now - self.touched);
-        let millis = wait.as_millis() as u64;
-        if self.pace.swap(millis, Ordering::Relaxed) != millis {
+        if wait.as_millis() != self.pace.as_millis() {
+            self.pace = wait;
             self.session.set_interval(wait);
         }
     }
@@ -158,6 +159,13 @@ impl Render {
     /// The newest picture, if it is one of the present parameters.
     fn current(&self) -> Option<&Snapshot> {
         self.newest.as_ref().filter(|s| s.epoch >= self.epoch)
+    }
+
+    /// Whether the clock has to be looked at often, for the workers don't.
+    fn ends_soon(&self) -> bool {
+        let soon = 2.0 * CALM_SLOWEST.as_secs_f64();
+        let left = |s: &Snapshot| self.goal.seconds - s.seconds;
+        self.goal.stop == Stop::Time && self.current().is_some_and(|s| left(s) < soon)
     }
 
     fn time_is_up(&self) -> bool {
@@ -200,10 +208,10 @@ mod tests {
             (0.001, 0.0, 33),
             (0.03125, 1.9, 93),
             (0.5, 0.0, 150),
-            (0.001, 2.0, 250),
-            (0.03125, 5.0, 1250),
+            (0.001, 2.0, 400),
+            (0.03125, 5.0, 1875),
             (0.5, 5.0, 2000),
-            (f32::NAN, 5.0, 250),
+            (f32::NAN, 5.0, 400),
         ] {
             assert_eq!(wait(drawing, since).as_millis(), millis, "{drawing} s, {since} s");
         }

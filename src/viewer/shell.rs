@@ -168,7 +168,8 @@ fn place(ctx: &Context) -> Option<Place> {
         if special.contains(&Some(true)) {
             return None;
         }
-        let (inner, outer) = (view.inner_rect, view.outer_rect);
-        Some(Place { size: inner.map(|r| r.size().into()), position: outer.map(|r| r.min.into()) })
+        // Not every system tells where a window is.
+        let position = view.outer_rect.map(|r| r.min.into());
+        Some(Place { size: Some(i.content_rect().size().into()), position })
     })
 }

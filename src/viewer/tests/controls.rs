@@ -282,3 +282,22 @@ fn no_control_moves_while_the_picture_gets_better() {
     });
     assert_eq!(places(&desk), before);
 }
+
+#[test]
+fn presses_within_one_frame_all_count() {
+    let mut desk = Desk::new();
+    let before = desk.alpha();
+    for _ in 0..4 {
+        for pressed in [true, false] {
+            desk.harness.input_mut().events.push(Event::Key {
+                key: Key::CloseBracket,
+                physical_key: None,
+                pressed,
+                repeat: false,
+                modifiers: Modifiers::NONE,
+            });
+        }
+    }
+    desk.harness.step();
+    assert!((desk.alpha() / before - 2.0).abs() < 1e-9, "{before} became {}", desk.alpha());
+}
