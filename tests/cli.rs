@@ -286,6 +286,16 @@ fn without_a_display_the_window_is_one_line_that_names_the_way_out() {
 }
 
 #[test]
+fn the_window_takes_a_shipped_scene_by_name_as_render_does() {
+    let output = run(&["gallery"]);
+    assert!(err(&output).contains("burnish render gallery -o"), "{}", err(&output));
+    let output = run(&["galery"]);
+    let text = err(&output);
+    assert_eq!((code(&output), text.lines().count()), (1, 1), "{text}");
+    assert!(text.contains("galery: there is no such file, and no shipped scene"), "{text}");
+}
+
+#[test]
 fn render_writes_pictures_and_their_figures() {
     let folder = tempfile::tempdir().unwrap();
     let [exr, png, stats] = ["a.exr", "a.png", "a.json"].map(|name| at(&folder, name));

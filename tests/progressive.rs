@@ -7,7 +7,7 @@ use burnish::progressive::{Options, Params, Session, Snapshot, State, TileImage,
 use burnish::scene::{Camera, Material, Scene, SceneBuilder};
 use glam::DVec3;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 fn small_room() -> Arc<Scene> {
@@ -219,4 +219,28 @@ fn samples_that_are_no_numbers_are_counted_and_left_out() {
             assert_eq!(*pixel, if i % 8 < 4 { [2.0; 3] } else { [0.0; 3] }, "{sky} {i}");
         }
     }
+}
+
+#[test]
+fn the_time_between_snapshots_can_be_changed_while_it_runs() {
+    let told = Arc::new(AtomicUsize::new(0));
+    let count = told.clone();
+    let hour = Duration::from_secs(3600);
+    let options = Options { threads: 1, preview: false, interval: hour };
+    let notify = move || {
+        count.fetch_add(1, Ordering::SeqCst);
+    };
+    let params = Params::new(small_room());
+    let tiles = params.size.map(|s| s.div_ceil(burnish::progressive::TILE)).iter().product::<u32>();
+    let session = Session::with_options(params, 8, options, notify).unwrap();
+    finished(&session, 1);
+    // The first whole pass and the end, whatever the interval.
+    assert_eq!(told.swap(0, Ordering::SeqCst), 2);
+    session.set_interval(Duration::ZERO);
+    session.set_limit(12);
+    let start = Instant::now();
+    while session.snapshots().recv().unwrap().passes < 12 {
+        assert!(start.elapsed() < Duration::from_secs(60));
+    }
+    assert!(told.load(Ordering::SeqCst) >= tiles as usize, "one a tile");
 }

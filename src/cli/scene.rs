@@ -76,7 +76,12 @@ impl fmt::Display for Loaded {
 
 /// Whether there is such a file or shipped scene, before the work for others begins.
 pub(super) fn exists(path: &Path) -> Result<(), Failure> {
-    if path.exists() || example(path).is_some() { Ok(()) } else { read(Some(path)).map(drop) }
+    if is_there(path) { Ok(()) } else { read(Some(path)).map(drop) }
+}
+
+/// Whether there is such a file or shipped scene.
+pub(super) fn is_there(path: &Path) -> bool {
+    path.exists() || example(path).is_some()
 }
 
 fn example(path: &Path) -> Option<&'static Example> {

@@ -1,12 +1,13 @@
 //! No subcommand: the window.
 
-use super::{Failure, values};
+use super::{Failure, talk, values};
 use std::path::{Path, PathBuf};
 
 /// How the window opens; the default is that nothing was given.
 #[derive(Debug, Default, PartialEq, clap::Args)]
 pub(super) struct Args {
-    /// Scene to open: a .scn, .obj or .ply file. The built-in scene without one.
+    /// Scene to open: a .scn, .obj or .ply file, or the name of a shipped scene, such as gallery. The
+    /// built-in scene without one.
     scene: Option<PathBuf>,
     /// Worker threads; 0 is one a core.
     #[arg(long, value_name = "T", default_value_t = 0, value_parser = values::threads())]
@@ -20,6 +21,10 @@ pub(super) struct Args {
     /// Dark colours instead of the system's.
     #[arg(long)]
     dark: bool,
+    /// Forgets what the window remembers of its last time: colours, exposure, goal, recent scenes,
+    /// size and place.
+    #[arg(long)]
+    reset_settings: bool,
     /// Closes after so many seconds: for smoke tests.
     #[arg(long, value_name = "SECONDS", hide = true, value_parser = values::seconds)]
     exit_after: Option<f64>,
@@ -31,30 +36,39 @@ pub(super) struct Args {
 /// Opens the window and stays until it is closed.
 pub(super) fn open(args: Args) -> Result<(), Failure> {
     // A missing file is the more useful message where there is no display either.
-    if let Some(path) = args.scene.as_deref().filter(|path| !path.exists()) {
-        return Err(Failure::new(format_args!("{}: there is no such file", path.display())));
+    if let Some(path) = args.scene.as_deref().filter(|path| !super::scene::is_there(path)) {
+        return Err(Failure::new(format_args!(
+            "{}: there is no such file, and no shipped scene of that name",
+            path.display()
+        )));
     }
     let instead = headless(args.scene.as_deref());
-    run(args).map_err(|why| {
+    let figures = run(args).map_err(|why| {
         let why = why.split_whitespace().collect::<Vec<_>>().join(" ");
         Failure::new(format_args!("no window: {why}; to render without one: {instead}"))
-    })
+    })?;
+    if let Some(figures) = figures {
+        talk::detail(figures);
+    }
+    Ok(())
 }
 
 #[cfg(feature = "viewer")]
-fn run(args: Args) -> Result<(), String> {
+fn run(args: Args) -> Result<Option<String>, String> {
     crate::viewer::run(crate::viewer::Options {
         scene: args.scene,
         threads: args.threads,
+        reset_settings: args.reset_settings,
         size: args.size,
         light: (args.light || args.dark).then_some(args.light),
+        figures: talk::loud(talk::Volume::Verbose),
         exit_after: args.exit_after,
         screenshot: args.screenshot,
     })
 }
 
 #[cfg(not(feature = "viewer"))]
-fn run(_: Args) -> Result<(), String> {
+fn run(_: Args) -> Result<Option<String>, String> {
     Err("this burnish was built without the feature `viewer`".into())
 }
 

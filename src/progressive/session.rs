@@ -66,6 +66,8 @@ pub(super) struct Shared {
     limit: AtomicU64,
     paused: AtomicBool,
     stopped: AtomicBool,
+    /// Shortest time between two snapshots, in milliseconds.
+    interval: AtomicU64,
 }
 
 impl Session {
@@ -99,6 +101,7 @@ impl Session {
             limit: AtomicU64::new(limit.clamp(1, Self::MAX_PASSES)),
             paused: AtomicBool::new(false),
             stopped: AtomicBool::new(false),
+            interval: AtomicU64::new(millis(options.interval)),
         });
         let outlet = super::outlet::Outlet::new(sender, snapshots.clone(), Box::new(notify));
         let workers = Workers::new(options, shared.clone(), outlet)?;
@@ -148,6 +151,12 @@ impl Session {
         self.shared.tell(|shared| shared.paused.store(false, Ordering::Release));
     }
 
+    /// From now on, the shortest time between two snapshots, to whole milliseconds; those at a change
+    /// of state come at once all the same. Fewer leave more time for tracing.
+    pub fn set_interval(&self, interval: Duration) {
+        self.shared.interval.store(millis(interval), Ordering::Relaxed);
+    }
+
     /// The newest snapshot not yet taken, if there is one. Never blocks.
     pub fn latest(&self) -> Option<Snapshot> {
         self.snapshots.try_recv().ok()
@@ -157,6 +166,10 @@ impl Session {
     pub fn snapshots(&self) -> &Receiver<Snapshot> {
         &self.snapshots
     }
+}
+
+fn millis(interval: Duration) -> u64 {
+    u64::try_from(interval.as_millis()).unwrap_or(u64::MAX)
 }
 
 impl Drop for Session {
@@ -187,6 +200,11 @@ impl Shared {
         drop(guard);
         self.changed.notify_all();
         epoch
+    }
+
+    /// Shortest time between two snapshots.
+    pub(super) fn interval(&self) -> Duration {
+        Duration::from_millis(self.interval.load(Ordering::Relaxed))
     }
 
     /// Passes to stop at.

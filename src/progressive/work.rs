@@ -214,7 +214,7 @@ impl Workers {
     /// A snapshot, if the last one is long enough ago and no other worker is about it.
     fn show_now_and_then(&self, epoch: &Epoch) {
         let Ok(mut last) = epoch.last_snapshot.try_lock() else { return };
-        if last.elapsed() < self.options.interval {
+        if last.elapsed() < self.shared.interval() {
             return;
         }
         *last = Instant::now();

@@ -1,79 +1,101 @@
 //! The window's state: takes in what the background sent, lays the panels out, and tells the
 //! renderer what they changed. Knows egui, but not the window itself.
 
+use super::browse::{Browsing, Dialog, Picked};
 use super::canvas::Canvas;
-use super::command;
 use super::controls::Controls;
 use super::document::Document;
 use super::energy::Energy;
 use super::help::Help;
 use super::keys::{self, Action};
-use super::load::{Loaded, Loading, Source};
+use super::load::{Failed, Loaded, Loading, Source};
 use super::materials::Materials;
 use super::method::{self, MethodPanel};
 use super::notice::Notice;
 use super::open::{self, Open};
-use super::orbit;
 use super::proofs::Proofs;
 use super::render::Render;
 use super::report::ReportPanel;
-use super::save::{Job, Saving, stem};
+use super::save::Saving;
+use super::settings::Settings;
 use super::status::{Facts, Status};
+use super::tracing::TracingPanel;
 use super::view::View;
-use super::{theme, widgets};
-use burnish::progressive::{Recipe, State};
+use super::watch::Watch;
+use super::{readout, theme, widgets};
+use burnish::progressive::State;
 use egui::{
     Align2, Area, CentralPanel, Context, Frame, Id, Margin, Order, Panel, ScrollArea, Ui,
     ViewportCommand, vec2,
 };
 use std::path::PathBuf;
 
-/// What one press of [ or ] does to alpha: four of them double it.
-const ROUGHNESS_STEP: f64 = 1.189_207_115_002_721;
-/// What one press of E does, in stops.
-const EXPOSURE_STEP: f32 = 0.5;
+/// How the window begins.
+pub(super) struct Setup {
+    pub(super) source: Source,
+    /// Worker threads; 0 for one a core.
+    pub(super) threads: usize,
+    /// Where snapshots go; an empty path is the working directory.
+    pub(super) folder: PathBuf,
+    /// What is remembered from last time.
+    pub(super) settings: Settings,
+    pub(super) dialog: Dialog,
+}
 
 pub(super) struct App {
     pub(super) document: Option<Document>,
     pub(super) render: Option<Render>,
-    loading: Option<Loading>,
+    pub(super) loading: Option<Loading>,
     /// The scene that was asked for last, to be read again.
-    source: Source,
-    saving: Option<Saving>,
+    pub(super) source: Source,
+    pub(super) saving: Option<Saving>,
+    pub(super) browsing: Option<Browsing>,
+    dialog: Dialog,
     pub(super) notice: Option<Notice>,
     pub(super) canvas: Canvas,
+    /// Tone and goal here are those that the first scene begins with.
+    settings: Settings,
+    /// While changed files are to be read again.
+    pub(super) watch: Option<Watch>,
     controls: Controls,
     view: View,
     materials: Materials,
+    tracing: TracingPanel,
     method: MethodPanel,
     proofs: Proofs,
     energy: Energy,
     report: ReportPanel,
     status: Status,
     pub(super) help: Help,
-    open: Open,
+    pub(super) open: Open,
     /// Worker threads; 0 for one a core.
-    threads: usize,
+    pub(super) threads: usize,
     /// Where snapshots go.
-    folder: PathBuf,
-    full_screen: bool,
+    pub(super) folder: PathBuf,
+    pub(super) full_screen: bool,
 }
 
 impl App {
     /// Starts to read the scene.
-    pub(super) fn new(ctx: &Context, source: Source, threads: usize, folder: PathBuf) -> App {
+    pub(super) fn new(ctx: &Context, setup: Setup) -> App {
         theme::install(ctx);
+        let Setup { source, threads, folder, settings, dialog } = setup;
         let mut app = App {
             document: None,
             render: None,
             loading: None,
             source: source.clone(),
             saving: None,
+            browsing: None,
+            dialog,
             notice: None,
             canvas: Canvas::new(),
+            settings,
+            watch: None,
             controls: Controls,
             view: View,
             materials: Materials::default(),
+            tracing: TracingPanel::default(),
             method: MethodPanel,
             proofs: Proofs::new(),
             energy: Energy::new(),
@@ -95,9 +117,13 @@ impl App {
             self.loading = None;
             match result {
                 Ok(loaded) => self.show(ctx, loaded),
-                Err(why) => self.notice = Some(Notice::error(why)),
+                Err(failed) => self.failed(ctx, failed),
             }
         }
+        if self.watch.as_ref().is_some_and(Watch::poll) {
+            self.load(ctx, self.source.clone(), true);
+        }
+        self.browsed(ctx);
         if let Some(result) = self.saving.as_ref().and_then(Saving::poll) {
             self.saving = None;
             self.notice = Some(match result {
@@ -106,10 +132,12 @@ impl App {
             });
         }
         let (Some(render), Some(document)) = (&mut self.render, &self.document) else { return };
+        let (now, touched) = ctx.input(|i| (i.time, !i.events.is_empty()));
+        render.pace(now, touched);
         if render.drain()
             && let Some(snapshot) = &render.newest
         {
-            self.canvas.show(ctx, snapshot, document);
+            self.canvas.show(snapshot, document);
             if let State::Failed(why) = &snapshot.state {
                 self.notice = Some(Notice::error(why.as_str()));
             }
@@ -132,13 +160,13 @@ impl App {
             .frame(side)
             .show(ui, |ui| actions.extend(self.side(ui)));
         if self.open.is_shown() {
-            let path = Panel::top("open")
+            let source = Panel::top("open")
                 .exact_size(40.0)
                 .frame(bar(ui))
-                .show(ui, |ui| self.open.ui(ui))
+                .show(ui, |ui| self.open.ui(ui, &mut actions))
                 .inner;
-            if let Some(path) = path {
-                self.load(&ctx, Source::File(path), false);
+            if let Some(source) = source {
+                self.load(&ctx, source, false);
             }
         }
         let ground = Frame::new().fill(theme::surround(ui.visuals()));
@@ -151,8 +179,8 @@ impl App {
     }
 
     /// Takes note of how many seconds drawing one frame takes.
-    pub(super) fn drawing_takes(&self, seconds: f32) {
-        if let Some(render) = &self.render {
+    pub(super) fn drawing_takes(&mut self, seconds: f32) {
+        if let Some(render) = &mut self.render {
             render.drawing_takes(seconds);
         }
     }
@@ -166,7 +194,6 @@ impl App {
                 snapshot: render.and_then(|r| r.newest.as_ref()),
                 done: render.is_some_and(Render::is_done),
                 latency: render.and_then(|r| r.latency),
-                hover: self.canvas.hover,
                 loading: self.loading.as_ref().map(|l| l.name.as_str()),
             },
         );
@@ -174,27 +201,48 @@ impl App {
 
     fn side(&mut self, ui: &mut Ui) -> Vec<Action> {
         let mut asked = Vec::new();
-        let mut source = None;
+        let (mut source, mut threads) = (None, None);
+        let mut watch = self.settings.watch;
+        let recent = &self.settings.recent;
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             Frame::new().inner_margin(Margin::same(16)).show(ui, |ui| {
                 ui.set_max_width(theme::PANEL - 32.0);
                 let Some(document) = &mut self.document else {
-                    source = open::files(ui, &mut asked);
+                    source = open::files(ui, recent, &mut asked);
                     return;
                 };
                 asked.extend(self.controls.ui(ui, document, &mut self.energy));
-                source = open::files(ui, &mut asked);
+                source = open::files(ui, recent, &mut asked);
                 self.materials.ui(ui, document);
                 asked.extend(self.view.ui(ui, document));
+                threads = self.tracing.ui(ui, document, self.threads, self.canvas.room);
                 self.method.ui(ui, document);
+                asked.extend(self.report.ui(ui, document, &mut self.energy, &mut watch));
+                // Last, for it grows when its proofs are done.
                 self.proofs.ui(ui, document);
-                self.report.ui(ui, document, &mut self.energy);
             });
         });
         if let Some(source) = source {
             self.load(ui.ctx(), source, false);
         }
+        if let Some(threads) = threads {
+            self.set_threads(ui.ctx(), threads);
+        }
+        if watch != self.settings.watch {
+            self.settings.watch = watch;
+            self.look_after(ui.ctx());
+        }
         asked
+    }
+
+    /// What is to be remembered, but for the window's place.
+    pub(super) fn settings(&self, ctx: &Context) -> Settings {
+        let (tone, goal) = match &self.document {
+            Some(document) => (document.tone, document.goal),
+            None => (self.settings.tone, self.settings.goal),
+        };
+        let theme = ctx.options(|o| o.theme_preference);
+        Settings { theme, tone, goal, ..self.settings.clone() }
     }
 
     fn picture(&mut self, ui: &mut Ui) {
@@ -210,6 +258,9 @@ impl App {
         }
         if ui.input(|i| !i.raw.hovered_files.is_empty()) {
             widgets::drop_target(ui, space);
+        }
+        if let Some(hover) = &self.canvas.hover {
+            readout::ui(ui, hover, space, ui.input(|i| i.pointer.hover_pos()));
         }
         let Some(notice) = &mut self.notice else { return };
         let width = (space.width() - 32.0).min(720.0);
@@ -227,61 +278,7 @@ impl App {
         }
     }
 
-    fn act(&mut self, ctx: &Context, action: Action) {
-        match action {
-            Action::Open => self.open.toggle(),
-            Action::Help => self.help.open = !self.help.open,
-            Action::Zoom => self.canvas.toggle_zoom(),
-            Action::FullScreen => {
-                self.full_screen = !self.full_screen;
-                ctx.send_viewport_cmd(ViewportCommand::Fullscreen(self.full_screen));
-            }
-            Action::Save => self.save(ctx),
-            Action::Reload => self.load(ctx, self.source.clone(), true),
-            Action::CopyCommand => self.copy_command(ctx),
-            _ => self.edit(ctx, action),
-        }
-    }
-
-    /// The actions that need a scene.
-    fn edit(&mut self, ctx: &Context, action: Action) {
-        let Some(document) = &mut self.document else { return };
-        match action {
-            Action::Model(model) => document.params.model = model,
-            Action::Smoother => document.scale_roughness(1.0 / ROUGHNESS_STEP),
-            Action::Rougher => document.scale_roughness(ROUGHNESS_STEP),
-            Action::Pause => document.paused = !document.paused,
-            Action::Brighter => View::expose(document, EXPOSURE_STEP),
-            Action::Darker => View::expose(document, -EXPOSURE_STEP),
-            Action::Home => document.params.camera = document.params.scene.camera(),
-            Action::Frame => {
-                let camera = &document.params.camera;
-                document.params.camera =
-                    orbit::framed(camera, document.subject(), document.aspect());
-            }
-            Action::Restart => {
-                document.paused = false;
-                if let Some(render) = &mut self.render {
-                    render.restart();
-                }
-            }
-            Action::CopyCamera => {
-                let line = document.params.camera.scn_line();
-                self.notice = Some(Notice::news(format!("Copied: {line}")));
-                ctx.copy_text(line);
-            }
-            Action::Undo | Action::Redo => {
-                let done = if action == Action::Undo { document.undo() } else { document.redo() };
-                if done {
-                    document.paused = false;
-                }
-            }
-            // Done without one.
-            _ => {}
-        }
-    }
-
-    fn load(&mut self, ctx: &Context, source: Source, again: bool) {
+    pub(super) fn load(&mut self, ctx: &Context, source: Source, again: bool) {
         self.source = source.clone();
         match Loading::start(ctx, source, again) {
             Ok(loading) => self.loading = Some(loading),
@@ -291,7 +288,8 @@ impl App {
 
     /// Makes a scene that was read the one that is shown; the picture stays until its own comes.
     fn show(&mut self, ctx: &Context, loaded: Loaded) {
-        let document = Document::open(loaded, self.document.as_ref());
+        let first = (self.settings.tone, self.settings.goal);
+        let document = Document::open(loaded, self.document.as_ref(), first);
         let told = match &mut self.render {
             Some(render) => render.tell(&document),
             None => Render::start(ctx, &document, self.threads).map(|r| self.render = Some(r)),
@@ -300,53 +298,73 @@ impl App {
             Ok(()) => {
                 let name = document.params.scene.name();
                 ctx.send_viewport_cmd(ViewportCommand::Title(format!("{name} - burnish")));
+                if let Some(path) = document.source.path() {
+                    self.settings.recent.add(path);
+                }
                 self.document = Some(document);
                 self.notice = None;
             }
             Err(why) => self.notice = Some(Notice::error(why.to_string())),
         }
+        self.look_after(ctx);
     }
 
-    fn save(&mut self, ctx: &Context) {
-        let (Some(document), Some(render)) = (&self.document, &self.render) else { return };
-        let Some(snapshot) = render.newest.clone() else { return };
-        if self.saving.is_some() {
-            self.notice = Some(Notice::news("The snapshot before is still being written"));
+    /// Tells why there is no scene. What was shown stays; if the file is another than that one's, it
+    /// is read once more when it has changed.
+    fn failed(&mut self, ctx: &Context, Failed { why, files }: Failed) {
+        self.notice = Some(Notice::error(why));
+        let shown = self.document.as_ref().is_some_and(|d| d.source == self.source);
+        if self.settings.watch && !shown {
+            self.watch = Watch::start(ctx, files);
+        }
+    }
+
+    /// Looks after the files of the scene that is shown, if that is wished for.
+    fn look_after(&mut self, ctx: &Context) {
+        let files = self.document.as_ref().filter(|_| self.settings.watch).map(|d| &d.files);
+        self.watch = files.and_then(|files| Watch::start(ctx, files.clone()));
+    }
+
+    pub(super) fn browse(&mut self, ctx: &Context) {
+        if self.browsing.is_some() {
             return;
         }
-        let params = &document.params;
-        let current = snapshot.epoch >= render.epoch;
-        let job = Job {
-            recipe: current.then(|| Recipe::new(render.told(), &snapshot)),
-            snapshot,
-            tone: document.tone,
-            folder: self.folder.clone(),
-            stem: stem(params),
-        };
-        match Saving::start(ctx, job) {
-            Ok(saving) => self.saving = Some(saving),
+        let near = self.source.path().and_then(|p| std::path::absolute(p).ok());
+        let folder = near.and_then(|p| p.parent().map(|f| f.to_path_buf()));
+        match Browsing::start(ctx, self.dialog, folder) {
+            Ok(browsing) => self.browsing = Some(browsing),
             Err(why) => self.notice = Some(Notice::error(why)),
         }
     }
 
-    fn copy_command(&mut self, ctx: &Context) {
-        let (Some(document), Some(render)) = (&self.document, &self.render) else { return };
-        let Some(snapshot) = &render.newest else { return };
-        let made = command::again(render.told(), snapshot, document.tone, &document.source);
-        self.notice = Some(match made {
-            Ok(text) => {
-                let lines = text.lines().count();
-                let told = match lines {
-                    1 => format!("Copied: {text}"),
-                    n => format!(
-                        "Copied {n} lines: the edited scene, and the command that renders it"
-                    ),
-                };
-                ctx.copy_text(text);
-                Notice::news(told)
+    /// Opens what was chosen in the file dialog, once it is closed.
+    fn browsed(&mut self, ctx: &Context) {
+        let Some(picked) = self.browsing.as_ref().and_then(Browsing::poll) else { return };
+        self.browsing = None;
+        match picked {
+            Picked::File(path) => self.load(ctx, Source::File(path), false),
+            Picked::Nothing => {}
+            Picked::NoDialog => {
+                self.open.show();
+                let why = "No file dialog could be had from the desktop (on Linux: a portal or \
+                           zenity). Type the path above, or drop the file on the window.";
+                self.notice = Some(Notice::error(why));
             }
-            Err(why) => Notice::error(format!("no command: {why}")),
-        });
+        }
+    }
+
+    /// Other workers for the same document. The old ones end in the background, with their tile.
+    fn set_threads(&mut self, ctx: &Context, threads: usize) {
+        let Some(document) = &self.document else { return };
+        match Render::start(ctx, document, threads) {
+            Ok(render) => {
+                self.threads = threads;
+                let old = self.render.replace(render);
+                // Without a thread for it they are waited for here.
+                let _ = std::thread::Builder::new().spawn(move || drop(old));
+            }
+            Err(why) => self.notice = Some(Notice::error(why.to_string())),
+        }
     }
 
     fn dropped(&mut self, ctx: &Context) {

@@ -27,27 +27,47 @@ pub(super) enum Zoom {
     Times(f32),
 }
 
-/// A pixel under the pointer: its place, its radiance and the standard error of that.
+/// A pixel under the pointer: its place, its radiance, the standard error of that once it is
+/// known, and of how many passes; 0 for the coarse preview.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Hover {
     pub(super) pixel: [u32; 2],
     pub(super) mean: [f32; 3],
     pub(super) standard_error: Option<[f32; 3]>,
+    pub(super) passes: u64,
 }
 
 pub(super) struct Canvas {
     texture: Option<PictureTexture>,
+    /// A picture of another size, until there is something of it to be seen.
+    next: Option<PictureTexture>,
     zoom: Zoom,
     /// Where the middle of the picture lies, from the middle of the space, in points.
     offset: Vec2,
     /// The pixel under the pointer, for the status line.
     pub(super) hover: Option<Hover>,
     id: Option<Id>,
+    /// Pixels of the screen that a picture has room for.
+    pub(super) room: [u32; 2],
 }
 
 impl Canvas {
     pub(super) fn new() -> Canvas {
-        Canvas { texture: None, zoom: Zoom::Fit, offset: Vec2::ZERO, hover: None, id: None }
+        Canvas {
+            texture: None,
+            next: None,
+            zoom: Zoom::Fit,
+            offset: Vec2::ZERO,
+            hover: None,
+            id: None,
+            room: [640, 480],
+        }
+    }
+
+    /// Whether all that has come is shown.
+    #[cfg(test)]
+    pub(super) fn is_settled(&self) -> bool {
+        self.next.is_none() && self.texture.as_ref().is_none_or(|t| !t.is_busy())
     }
 
     /// Whether anything has been shown yet.
@@ -67,16 +87,34 @@ impl Canvas {
     }
 
     /// Takes over the new tiles of a snapshot.
-    pub(super) fn show(&mut self, ctx: &egui::Context, snapshot: &Snapshot, document: &Document) {
+    pub(super) fn show(&mut self, snapshot: &Snapshot, document: &Document) {
         if snapshot.tiles.iter().all(Option::is_none) {
             return;
         }
-        let same_size = |t: &&mut PictureTexture| t.size() == snapshot.grid.size;
-        if self.texture.as_mut().filter(same_size).is_none() {
-            self.texture = Some(PictureTexture::new(ctx, snapshot.grid, document.tone));
+        let fits = |t: &&mut PictureTexture| t.size() == snapshot.grid.size;
+        let texture = match self.texture.as_mut().filter(fits) {
+            Some(texture) => {
+                self.next = None;
+                texture
+            }
+            None => {
+                let next = self.next.take().filter(|t| t.size() == snapshot.grid.size);
+                let fresh = || PictureTexture::new(snapshot.grid, document.tone);
+                self.next.insert(next.unwrap_or_else(fresh))
+            }
+        };
+        texture.show(snapshot);
+    }
+
+    /// Brings what is on the card up to date.
+    fn refresh(&mut self, ctx: &egui::Context, document: &Document, times: f32) {
+        let (tone, options) = (document.tone, filter(times));
+        for texture in [&mut self.texture, &mut self.next].into_iter().flatten() {
+            texture.restyle(tone, options);
+            texture.refresh(ctx);
         }
-        if let Some(texture) = &mut self.texture {
-            texture.show(snapshot);
+        if self.next.as_ref().is_some_and(PictureTexture::is_ready) {
+            self.texture = self.next.take();
         }
     }
 
@@ -86,21 +124,20 @@ impl Canvas {
         let response = ui.allocate_rect(space, Sense::click_and_drag());
         self.id = Some(response.id);
         self.hover = None;
-        if let (Some(texture), Some(document)) = (&mut self.texture, document) {
-            let pixels_per_point = ui.pixels_per_point();
+        let pixels_per_point = ui.pixels_per_point();
+        let room = (space.size() - Vec2::splat(2.0 * theme::GROUP)).max(Vec2::splat(1.0));
+        self.room = [room.x, room.y].map(|side| (side * pixels_per_point) as u32);
+        if let Some(document) = &document {
+            self.refresh(ui.ctx(), document, self.times(room * pixels_per_point));
+        }
+        let times = self.times(room * pixels_per_point);
+        if let (Some(texture), Some(document)) = (&self.texture, document) {
             let size = vec2(texture.size()[0] as f32, texture.size()[1] as f32);
-            let room = (space.size() - Vec2::splat(2.0 * theme::GROUP)).max(Vec2::splat(1.0));
-            let fit = (room / size).min_elem() * pixels_per_point;
-            let times = match self.zoom {
-                Zoom::Fit => fit,
-                Zoom::Times(times) => times,
-            };
             let centre = space.center() + self.offset;
             let place = Rect::from_center_size(centre, size * times / pixels_per_point);
             // On whole pixels of the screen, or every texel would be a little blurred.
             let place = place
                 .translate((place.min * pixels_per_point).round() / pixels_per_point - place.min);
-            texture.restyle(document.tone, filter(times));
             texture.paint(&ui.painter_at(space), place);
             self.pointer(ui, &response, document, place, times);
             keyboard(ui, &response, document);
@@ -110,6 +147,17 @@ impl Canvas {
         }
         response.widget_info(|| WidgetInfo::labeled(Role::Image, ui.is_enabled(), "Picture"));
         response
+    }
+
+    /// Pixels of the screen for one of the picture, where it has room for so many.
+    fn times(&self, room: Vec2) -> f32 {
+        match (self.zoom, &self.texture) {
+            (Zoom::Times(times), _) => times,
+            (Zoom::Fit, Some(texture)) => {
+                (room / vec2(texture.size()[0] as f32, texture.size()[1] as f32)).min_elem()
+            }
+            (Zoom::Fit, None) => 1.0,
+        }
     }
 
     fn pointer(
@@ -148,9 +196,12 @@ impl Canvas {
             *camera = orbit::dolly(camera, subject, factor);
         }
         let Some((pixel, exact)) = self.pixel_at(at, place) else { return };
-        if let Some((mean, standard_error)) = self.texture.as_ref().and_then(|t| t.pixel(pixel)) {
-            self.hover = Some(Hover { pixel, mean, standard_error });
-        }
+        self.hover = self.texture.as_ref().and_then(|t| t.pixel(pixel)).map(|(tile, i)| Hover {
+            pixel,
+            mean: tile.mean[i],
+            standard_error: tile.standard_error.get(i).copied(),
+            passes: tile.passes,
+        });
         if response.clicked_by(PointerButton::Primary) {
             let params = &document.params;
             let hit = params.scene.pick(&params.camera, params.size, exact);
@@ -220,4 +271,24 @@ fn keyboard(ui: &Ui, response: &Response, document: &mut Document) {
         }
     });
     document.params.camera = camera;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn magnified_pixels_are_crisp_and_reduced_ones_smooth() {
+        use egui::TextureFilter::{Linear, Nearest};
+        for (times, magnified) in
+            [(0.3, Linear), (1.0, Nearest), (1.4, Linear), (2.0, Nearest), (7.3, Nearest)]
+        {
+            let options = filter(times);
+            assert_eq!(
+                (options.magnification, options.minification),
+                (magnified, Linear),
+                "{times}"
+            );
+        }
+    }
 }

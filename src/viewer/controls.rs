@@ -4,6 +4,7 @@ use super::document::{Document, Shown};
 use super::energy::Energy;
 use super::goal::{Goal, Stop};
 use super::keys::{self, Action};
+use super::names::{self, Control};
 use super::theme;
 use super::widgets::{self, Weight};
 use burnish::brdf::{Model, Roughness};
@@ -42,10 +43,7 @@ fn roughness(ui: &mut Ui, document: &mut Document, energy: &mut Energy) {
     let mut reset = false;
     let label = ui
         .horizontal(|ui| {
-            let label = ui.label("Roughness").on_hover_text(
-                "alpha, the width of the distribution of microfacet slopes, and the Phong exponent \
-                 a_p are two names of one number:\nalpha = sqrt(2 / (a_p + 2))\nKeys: [ and ]",
-            );
+            let label = ui.label(names::ROUGHNESS.name).on_hover_text(names::ROUGHNESS.tip);
             if let Shown::Mixed(_) = shown {
                 ui.weak("differs by material").on_hover_text(
                     "Shown is the geometric mean of the alphas. Moving the slider gives all \
@@ -53,9 +51,9 @@ fn roughness(ui: &mut Ui, document: &mut Document, energy: &mut Energy) {
                 );
             }
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                let button = Button::new(RichText::new("as in file").small()).small().frame(false);
-                let tip = "Puts the roughness back to the scene file's.";
-                reset = edited && ui.add(button).on_hover_text(tip).clicked();
+                let words = RichText::new(names::AS_IN_FILE.name).small();
+                let button = Button::new(words).small().frame(false);
+                reset = edited && ui.add(button).on_hover_text(names::AS_IN_FILE.tip).clicked();
             });
             label
         })
@@ -73,9 +71,8 @@ fn roughness(ui: &mut Ui, document: &mut Document, energy: &mut Energy) {
     if ui.add(slider).labelled_by(label.id).changed() {
         wanted = Roughness::from_alpha(alpha).ok();
     }
-    let tip = "Roughness alpha, no unit, 0.0001 (mirror-like) to 1 (dull). Drag or type.";
-    widgets::field(ui, "alpha", tip, |ui, label| {
-        let name = "a_p";
+    widgets::field(ui, &names::ALPHA, |ui, label| {
+        let (tip, name) = (names::ALPHA.tip, names::A_P.name);
         let width = (ui.available_width() - widgets::text_width(ui, name)) / 2.0 - theme::GAP;
         let size = egui::vec2(width, ui.spacing().interact_size.y);
         let mut alpha = value.alpha();
@@ -86,7 +83,7 @@ fn roughness(ui: &mut Ui, document: &mut Document, energy: &mut Energy) {
         if ui.add_sized(size, field).labelled_by(label).on_hover_text(tip).changed() {
             wanted = Roughness::from_alpha(alpha).ok();
         }
-        let tip = "Phong exponent a_p, no unit, 0 (dull) to 2e8 - 2 (mirror-like). Drag or type.";
+        let tip = names::A_P.tip;
         let label = ui.label(name).on_hover_text(tip).id;
         let [low, high] = Roughness::EXPONENT;
         let mut exponent = value.exponent();
@@ -111,17 +108,14 @@ fn applies_to(ui: &mut Ui, document: &mut Document) {
     let picked = document.picked_material().map(|m| m.name.clone());
     let (words, tip) = match &picked {
         Some(name) => (name.as_str(), format!("Only \"{name}\", the material picked.")),
-        None => ("Picked one", "Click a surface in the picture to pick its material.".to_owned()),
+        None => (names::PICKED.name, names::PICKED.tip.to_owned()),
     };
-    let all = "Every material that has a specular lobe.".to_owned();
-    let entries = [("All", all, true), (words, tip, picked.is_some())];
+    let all = (names::ALL.name, names::ALL.tip.to_owned(), true);
+    let entries = [all, (words, tip, picked.is_some())];
     let chosen = usize::from(document.only_picked);
-    let pressed = widgets::field(
-        ui,
-        "Applies to",
-        "Which materials the slider and the two fields change.",
-        |ui, _| widgets::segmented(ui, Weight::Quiet, chosen, &entries),
-    );
+    let pressed = widgets::field(ui, &names::APPLIES_TO, |ui, _| {
+        widgets::segmented(ui, Weight::Quiet, chosen, &entries)
+    });
     if let Some(pressed) = pressed {
         document.only_picked = pressed == 1;
     }
@@ -129,11 +123,10 @@ fn applies_to(ui: &mut Ui, document: &mut Document) {
 
 /// What it is that ends the tracing, and its figure.
 fn stop_at(ui: &mut Ui, document: &mut Document) {
-    let tip = "What ends the tracing. Another goal, or a farther one, goes on where it stopped.";
     let chosen = document.goal.stop;
-    widgets::field(ui, "Stop at", tip, |ui, _| {
+    widgets::field(ui, &names::STOP_AT, |ui, _| {
         let place = Stop::ALL.iter().position(|&s| s == chosen).unwrap_or(0);
-        let entries = Stop::ALL.map(|s| (s.title(), ends(s).to_owned(), true));
+        let entries = Stop::ALL.map(|s| (s.title(), s.limit().tip.to_owned(), true));
         if let Some(i) = widgets::segmented(ui, Weight::Quiet, place, &entries) {
             document.goal.stop = Stop::ALL[i];
         }
@@ -145,7 +138,7 @@ fn stop_at(ui: &mut Ui, document: &mut Document) {
             let mut passes = goal.passes;
             let speed = (passes as f64 * 0.01).max(0.2);
             let field = DragValue::new(&mut passes).range(1..=Session::MAX_PASSES).speed(speed);
-            if limit(ui, "Pass limit", ends(chosen), field) {
+            if limit(ui, &chosen.limit(), field) {
                 document.set_limit(passes);
             }
         }
@@ -154,7 +147,7 @@ fn stop_at(ui: &mut Ui, document: &mut Document) {
             let mut percent = 100.0 * goal.error;
             let speed = 0.01 * percent;
             let field = widgets::number(&mut percent, 3).range(low..=high).speed(speed);
-            if limit(ui, "Error limit", ends(chosen), field.suffix(" %")) {
+            if limit(ui, &chosen.limit(), field.suffix(" %")) {
                 goal.error = percent / 100.0;
             }
         }
@@ -163,36 +156,19 @@ fn stop_at(ui: &mut Ui, document: &mut Document) {
             let mut seconds = goal.seconds;
             let speed = 0.01 * seconds;
             let field = widgets::number(&mut seconds, 4).range(low..=high).speed(speed);
-            if limit(ui, "Time limit", ends(chosen), field.suffix(" s")) {
+            if limit(ui, &chosen.limit(), field.suffix(" s")) {
                 goal.seconds = seconds;
             }
         }
     }
 }
 
-fn ends(stop: Stop) -> &'static str {
-    match stop {
-        Stop::Passes => {
-            "Tracing stops after this many passes; each adds one sample to every pixel. \
-             1 to 4294967296. A higher limit goes on where it stopped."
-        }
-        Stop::Error => {
-            "Tracing stops once the upper 95 % limit of the relative error is at most this, 0.0001 \
-             to 100 %: sqrt(mean((x - r)\u{b2} / (r\u{b2} + 0.01))), r being the truth. Looked at \
-             from 64 passes on."
-        }
-        Stop::Time => {
-            "Tracing stops after this many seconds of tracing, 0.1 to 1e9 s. Pauses are not counted."
-        }
-    }
-}
-
 /// A figure over the whole width; whether it was changed.
-fn limit(ui: &mut Ui, name: &str, tip: &str, field: DragValue<'_>) -> bool {
-    widgets::field(ui, name, tip, |ui, label| {
+fn limit(ui: &mut Ui, control: &Control, field: DragValue<'_>) -> bool {
+    widgets::field(ui, control, |ui, label| {
         let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
         let field = field.update_while_editing(false).min_size(size);
-        ui.add_sized(size, field).labelled_by(label).on_hover_text(tip).changed()
+        ui.add_sized(size, field).labelled_by(label).on_hover_text(control.tip).changed()
     })
 }
 

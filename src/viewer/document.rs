@@ -4,6 +4,7 @@ use super::goal::Goal;
 use super::history::{History, State};
 use super::load::{Loaded, Source};
 use super::orbit::Subject;
+use super::watch::Stamp;
 use burnish::brdf::Roughness;
 use burnish::picture::Tone;
 use burnish::progressive::{Params, Session};
@@ -17,6 +18,8 @@ pub(super) struct Document {
     pub(super) params: Params,
     /// Where the scene was read.
     pub(super) source: Source,
+    /// Its files as they were when it was read.
+    pub(super) files: Vec<Stamp>,
     /// What the reader had to tell.
     pub(super) report: Report,
     /// Counts the scenes opened, so that panels know a new one.
@@ -78,9 +81,14 @@ pub(super) enum Shown {
 }
 
 impl Document {
-    /// A scene as it was read. Model, method, goal and tone stay those of the scene before,
-    /// and so does a camera that was moved when the same scene is read again.
-    pub(super) fn open(loaded: Loaded, before: Option<&Document>) -> Document {
+    /// A scene as it was read. Model, method, goal and tone stay those of the scene before, of
+    /// which the first has none; and so does a camera that was moved when the same scene is read
+    /// again.
+    pub(super) fn open(
+        loaded: Loaded,
+        before: Option<&Document>,
+        (tone, goal): (Tone, Goal),
+    ) -> Document {
         let mut params = Params::new(loaded.scene);
         if let Some(before) = before {
             params.model = before.params.model;
@@ -92,12 +100,12 @@ impl Document {
                 params.camera = before.params.camera;
             }
         }
-        let goal = before.map_or_else(Goal::default, |b| b.goal);
-        let tone = before.map_or_else(Tone::default, |b| b.tone);
+        let (tone, goal) = before.map_or((tone, goal), |b| (b.tone, b.goal));
         let settings = Settings { params: params.clone(), tone, goal };
         Document {
             params,
             source: loaded.source,
+            files: loaded.files,
             report: loaded.report,
             number: before.map_or(0, |b| b.number + 1),
             goal,

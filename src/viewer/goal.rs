@@ -1,6 +1,7 @@
 //! When tracing is to stop, and how long it may take until then.
 
 use super::figures::{duration, percent};
+use super::names::{self, Control};
 use burnish::progressive::{ErrorEstimate, Session, Snapshot, StopRule};
 
 /// What it is that ends the tracing.
@@ -19,6 +20,15 @@ impl Stop {
             Stop::Passes => "Passes",
             Stop::Error => "Error",
             Stop::Time => "Time",
+        }
+    }
+
+    /// The field of its figure.
+    pub(super) fn limit(self) -> Control {
+        match self {
+            Stop::Passes => names::PASS_LIMIT,
+            Stop::Error => names::ERROR_LIMIT,
+            Stop::Time => names::TIME_LIMIT,
         }
     }
 }
@@ -42,6 +52,8 @@ impl Default for Goal {
 }
 
 impl Goal {
+    /// The largest number of passes that can be wished for.
+    pub(super) const PASSES: u64 = Session::MAX_PASSES;
     /// Errors that can be wished for.
     pub(super) const ERROR: [f64; 2] = [1e-6, 1.0];
     /// Times that can be, in seconds.

@@ -1,7 +1,7 @@
 //! The list of keys and mouse moves, made from the one table of them.
 
 use super::keys::{self, Binding, MOUSE, PICTURE_KEYS, TABLE};
-use super::theme;
+use super::{names, theme};
 use egui::{Frame, Grid, Id, Margin, Modal, RichText, Ui};
 
 /// Least width of the column of keys and of that of words, in points.
@@ -22,7 +22,8 @@ impl Help {
             ui.horizontal(|ui| {
                 ui.heading("Keys and mouse");
                 ui.add_space(theme::GROUP);
-                self.open = !ui.button("Close").clicked();
+                let close = ui.button(names::CLOSE.name).on_hover_text(names::CLOSE.tip);
+                self.open = !close.clicked();
             });
             ui.add_space(theme::GROUP);
             // Lines of text, not of buttons.

@@ -13,7 +13,9 @@ pub(super) enum Action {
     Pause,
     Restart,
     Save,
+    SaveScene,
     Open,
+    Browse,
     Reload,
     Frame,
     Home,
@@ -26,6 +28,7 @@ pub(super) enum Action {
     Undo,
     Redo,
     Help,
+    Quit,
 }
 
 /// One line of the table.
@@ -49,6 +52,9 @@ const fn shift(key: Key) -> KeyboardShortcut {
 }
 const fn command(key: Key) -> KeyboardShortcut {
     KeyboardShortcut::new(Modifiers::COMMAND, key)
+}
+const fn command_shift(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key)
 }
 
 /// In the order of the help.
@@ -110,11 +116,27 @@ pub(super) const TABLE: &[Binding] = &[
         tip: "Writes what is shown as PNG, its radiance as OpenEXR, into the working directory.",
     },
     Binding {
+        action: Action::SaveScene,
+        keys: &[command_shift(Key::S)],
+        name: "Save scene",
+        does: "Save the edited scene",
+        tip: "Writes the scene with its edited materials, camera and size as a new .scn file beside \
+              the old one; a scene that comes with burnish goes into the working directory. No file \
+              is overwritten.",
+    },
+    Binding {
         action: Action::Open,
         keys: &[command(Key::O)],
         name: "Open",
         does: "Open a scene",
         tip: "Opens a scene: .scn, .obj or .ply. Dropping a file on the window does the same.",
+    },
+    Binding {
+        action: Action::Browse,
+        keys: &[command_shift(Key::O)],
+        name: "Browse",
+        does: "Open by the file dialog",
+        tip: "Opens a scene that you choose in the desktop's file dialog.",
     },
     Binding {
         action: Action::Reload,
@@ -189,10 +211,7 @@ pub(super) const TABLE: &[Binding] = &[
     },
     Binding {
         action: Action::Redo,
-        keys: &[
-            KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z),
-            command(Key::Y),
-        ],
+        keys: &[command_shift(Key::Z), command(Key::Y)],
         name: "Redo",
         does: "Redo",
         tip: "Takes back the last undo.",
@@ -203,6 +222,13 @@ pub(super) const TABLE: &[Binding] = &[
         name: "Help",
         does: "This help",
         tip: "Shows or hides the list of keys.",
+    },
+    Binding {
+        action: Action::Quit,
+        keys: &[command(Key::Q)],
+        name: "Quit",
+        does: "Close the window",
+        tip: "Closes the window. Colours, exposure, goal and recent scenes are remembered.",
     },
 ];
 
@@ -264,9 +290,9 @@ pub(super) fn pressed(ctx: &Context, picture_has_focus: bool) -> Vec<Action> {
             if (typing && of_text) || (focused && shortcut.logical_key == Key::Space) {
                 continue;
             }
-            if input.consume_shortcut(shortcut) {
-                actions.push(action);
-            }
+            // Where frames are slow, one may bring several presses.
+            let times = input.count_and_consume_key(shortcut.modifiers, shortcut.logical_key);
+            actions.extend(std::iter::repeat_n(action, times));
         }
     });
     actions

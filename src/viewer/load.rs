@@ -1,9 +1,10 @@
 //! Reading and building a scene in the background, so that the window never waits.
 
+use super::watch::Stamp;
 use burnish::scene::builtin::{EXAMPLES, Example};
 use burnish::scene::{Report, Scene, read};
 use egui::Context;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
@@ -22,6 +23,22 @@ impl Default for Source {
 }
 
 impl Source {
+    /// A file, or the scene that comes with burnish by that name. A file of that name comes first.
+    pub(super) fn named(path: PathBuf) -> Source {
+        match path.to_str().and_then(Example::named).filter(|_| !path.exists()) {
+            Some(example) => Source::Example(example),
+            None => Source::File(path),
+        }
+    }
+
+    /// The file itself, if it is one.
+    pub(super) fn path(&self) -> Option<&Path> {
+        match self {
+            Source::Example(_) => None,
+            Source::File(path) => Some(path),
+        }
+    }
+
     fn name(&self) -> String {
         match self {
             Source::Example(example) => example.title.to_owned(),
@@ -38,13 +55,22 @@ pub(super) struct Loaded {
     pub(super) source: Source,
     /// It is to be seen from where the one before was seen, if that came from the same place.
     pub(super) again: bool,
+    /// Its files as they were.
+    pub(super) files: Vec<Stamp>,
+}
+
+/// A scene that could not be had.
+pub(super) struct Failed {
+    pub(super) why: String,
+    /// Its own file as it was.
+    pub(super) files: Vec<Stamp>,
 }
 
 /// A scene on its way.
 pub(super) struct Loading {
     /// For the line that says so.
     pub(super) name: String,
-    result: Receiver<Result<Loaded, String>>,
+    result: Receiver<Result<Loaded, Failed>>,
 }
 
 impl Loading {
@@ -66,23 +92,34 @@ impl Loading {
     }
 
     /// The scene or why there is none; `None` while it is on its way.
-    pub(super) fn poll(&self) -> Option<Result<Loaded, String>> {
+    pub(super) fn poll(&self) -> Option<Result<Loaded, Failed>> {
         match self.result.try_recv() {
             Ok(result) => Some(result),
             Err(TryRecvError::Empty) => None,
-            Err(TryRecvError::Disconnected) => Some(Err(format!(
-                "{}: reading it ended in a fault of burnish; please report it with the file",
-                self.name
-            ))),
+            Err(TryRecvError::Disconnected) => Some(Err(Failed {
+                why: format!(
+                    "{}: reading it ended in a fault of burnish; please report it with the file",
+                    self.name
+                ),
+                files: Vec::new(),
+            })),
         }
     }
 }
 
-fn build(source: Source, again: bool) -> Result<Loaded, String> {
+fn build(source: Source, again: bool) -> Result<Loaded, Failed> {
+    // Before it is read: what is written meanwhile is a change.
+    let mut files: Vec<Stamp> = source.path().map(Stamp::of).into_iter().collect();
     let read = match &source {
         Source::Example(example) => example.read(),
         Source::File(path) => read::open(path),
     };
-    let (builder, report) = read.map_err(|e| e.to_string())?;
-    Ok(Loaded { scene: Arc::new(builder.build()), report, source, again })
+    let (builder, report) = match read {
+        Ok(read) => read,
+        Err(e) => return Err(Failed { why: e.to_string(), files }),
+    };
+    if source.path().is_some() {
+        files.extend(builder.source.files.iter().skip(1).map(|f| Stamp::of(&f.path)));
+    }
+    Ok(Loaded { scene: Arc::new(builder.build()), report, source, again, files })
 }

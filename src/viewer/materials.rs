@@ -7,16 +7,24 @@ use super::theme;
 use super::widgets;
 use burnish::scene::{Material, MaterialId};
 use egui::{Align, Button, Layout, Response, RichText, ScrollArea, Ui};
+use std::ops::Range;
 
 /// At least so many lines are shown at once; half a line tells that there are more.
-const LINES: f32 = 5.5;
+const LINES: f32 = 3.5;
+/// A list of more materials is drawn only where it is seen, or it would take all of a frame's time.
+/// The keyboard then walks what is seen.
+const ALL_DRAWN: usize = 300;
 /// Height of all else in the panel, in points: a tall window has room for more lines.
 const REST: f32 = 760.0;
+
+const HINT: &str = "pick one, here or in the picture";
 
 #[derive(Default)]
 pub(super) struct Materials {
     /// The one that was picked when last drawn, to scroll to a new one.
     seen: Option<MaterialId>,
+    /// The lines of a very long list that were drawn.
+    drawn: Range<usize>,
 }
 
 impl Materials {
@@ -28,25 +36,42 @@ impl Materials {
             header(ui);
             let height = LINES * (ui.spacing().interact_size.y + ui.spacing().item_spacing.y);
             let height = height.max(ui.clip_rect().height() - REST);
-            let area = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
-            area.show(ui, |ui| self.list(ui, document));
-            ui.add_space(theme::GAP);
+            self.list(ui, document, height);
             surface::fields(ui, document);
         });
     }
 
-    fn list(&mut self, ui: &mut Ui, document: &mut Document) {
-        let mut clicked = None;
+    fn list(&mut self, ui: &mut Ui, document: &mut Document, height: f32) {
+        let materials = &document.params.materials;
         let chosen = document.picked.filter(|_| document.only_picked);
-        for (id, material) in document.params.materials.iter().enumerate() {
-            let id = id as MaterialId;
-            let row = row(ui, material, chosen == Some(id));
-            if chosen == Some(id) && self.seen != chosen {
-                row.scroll_to_me(None);
+        let line = ui.spacing().interact_size.y;
+        let mut clicked = None;
+        let mut rows = |ui: &mut Ui, range: Range<usize>, scroll: bool| {
+            for (i, material) in materials.iter().enumerate().take(range.end).skip(range.start) {
+                let id = i as MaterialId;
+                let row = row(ui, material, chosen == Some(id));
+                if scroll && chosen == Some(id) {
+                    row.scroll_to_me(None);
+                }
+                if row.clicked() {
+                    clicked = Some(id);
+                }
             }
-            if row.clicked() {
-                clicked = Some(id);
+        };
+        let newly = chosen.filter(|_| self.seen != chosen).map(|id| id as usize);
+        let mut area = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
+        if materials.len() <= ALL_DRAWN {
+            area.show(ui, |ui| rows(ui, 0..materials.len(), newly.is_some()));
+        } else {
+            if let Some(i) = newly.filter(|i| !self.drawn.contains(i)) {
+                let top = i as f32 * (line + ui.spacing().item_spacing.y);
+                area = area.vertical_scroll_offset((top - height / 2.0).max(0.0));
             }
+            let drawn = &mut self.drawn;
+            area.show_rows(ui, line, materials.len(), |ui, range| {
+                drawn.clone_from(&range);
+                rows(ui, range, false);
+            });
         }
         self.seen = chosen;
         if clicked.is_some() {
@@ -61,6 +86,8 @@ fn header(ui: &mut Ui) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         ui.label(RichText::new("Kd Ks").small().weak());
+        ui.add_space(8.0);
+        ui.label(RichText::new(HINT).small().weak());
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.add_space(theme::GAP);
             ui.label(RichText::new("a_p").small().weak());

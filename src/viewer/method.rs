@@ -1,6 +1,7 @@
 //! How light is sampled, and the mistakes that can be made on purpose.
 
 use super::document::Document;
+use super::names;
 use super::theme;
 use super::widgets::{self, Badge, Weight};
 use burnish::brdf::{Erratum, Model, Normals};
@@ -46,10 +47,9 @@ pub(super) fn banner(ui: &Ui, params: &Params, space: Rect) {
 }
 
 fn erratum(ui: &mut Ui, params: &mut Params) {
-    let tip = "Mistakes of the report and the program that this one grew from, each to be seen by \
-               itself: the picture is then wrong on purpose.";
+    let tip = names::ERRATUM.tip;
     let chosen = params.erratum;
-    widgets::field(ui, "Erratum", tip, |ui, label| {
+    widgets::field(ui, &names::ERRATUM, |ui, label| {
         let text = chosen.map_or("None", Erratum::title);
         let menu = ComboBox::from_id_salt("erratum")
             .width(ui.available_width())
@@ -83,8 +83,7 @@ fn describe(e: Erratum, model: Model) -> String {
 }
 
 fn strategy(ui: &mut Ui, params: &mut Params) {
-    let tip = "How light is found. All three give the same picture with different noise.";
-    widgets::field(ui, "Light", tip, |ui, _| {
+    widgets::field(ui, &names::LIGHT, |ui, _| {
         let chosen = Strategy::ALL.iter().position(|&s| s == params.strategy).unwrap_or(0);
         let entries = Strategy::ALL.map(|s| (s.title(), found(s).to_owned(), true));
         if let Some(i) = widgets::segmented(ui, Weight::Quiet, chosen, &entries) {
@@ -93,7 +92,8 @@ fn strategy(ui: &mut Ui, params: &mut Params) {
     });
 }
 
-fn found(strategy: Strategy) -> &'static str {
+/// How a strategy finds light.
+pub(super) fn found(strategy: Strategy) -> &'static str {
     match strategy {
         Strategy::Mis => "By asking and by chance, weighed against each other.",
         Strategy::LightOnly => "Only by asking lights: noisy where surfaces are smooth.",
@@ -104,10 +104,8 @@ fn found(strategy: Strategy) -> &'static str {
 }
 
 fn normals(ui: &mut Ui, params: &mut Params) {
-    let tip =
-        "Which microfacet normals are drawn. Both give the same picture with different noise.";
     let phong = params.model == Model::Phong;
-    widgets::field(ui, "Normals", tip, |ui, _| {
+    widgets::field(ui, &names::NORMALS, |ui, _| {
         let chosen = Normals::ALL.iter().position(|&n| n == params.normals).unwrap_or(0);
         let chosen = if phong { Normals::ALL.len() } else { chosen };
         let entries = Normals::ALL.map(|n| (n.title(), drawn(n, phong).to_owned(), !phong));
@@ -117,7 +115,8 @@ fn normals(ui: &mut Ui, params: &mut Params) {
     });
 }
 
-fn drawn(normals: Normals, phong: bool) -> &'static str {
+/// Which normals are drawn, with Phong or another model.
+pub(super) fn drawn(normals: Normals, phong: bool) -> &'static str {
     match normals {
         _ if phong => "Phong knows no visible normals: it draws from all.",
         Normals::Visible => "Those that the viewer sees, by how much of them is seen.",

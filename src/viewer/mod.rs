@@ -6,12 +6,15 @@
 //! scenes are read and snapshots written by threads of their own ([`load`], [`save`]), and a
 //! window in which nothing happens is not redrawn.
 
+mod acts;
 mod app;
 mod background;
+mod browse;
 mod canvas;
 mod command;
 mod controls;
 mod document;
+mod effort;
 mod energy;
 mod figures;
 mod goal;
@@ -21,74 +24,111 @@ mod keys;
 mod load;
 mod materials;
 mod method;
+mod names;
 mod notice;
 mod open;
 mod orbit;
 mod proofs;
+mod readout;
+mod recent;
 mod render;
 mod report;
 mod save;
+mod settings;
+mod shell;
 mod smoke;
 mod status;
 mod surface;
 mod texture;
 mod theme;
+mod tracing;
 mod view;
+mod watch;
 mod widgets;
 
 #[cfg(test)]
 mod tests;
 
-use app::App;
-use load::Source;
-use smoke::Smoke;
+use settings::Settings;
+use shell::{Shell, Told};
 use std::path::PathBuf;
 use std::sync::PoisonError;
 
 /// How the window starts.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Options {
-    /// The scene to open; the built-in one without.
+    /// The scene to open, a file or a shipped one's name; the built-in one without.
     pub(crate) scene: Option<PathBuf>,
     /// Worker threads; 0 for one a core.
     pub(crate) threads: usize,
+    /// Forgets what the window remembers of its last time.
+    pub(crate) reset_settings: bool,
     /// Width and height of the window's inside in points.
     pub(crate) size: Option<[u32; 2]>,
     /// Light (`Some(true)`), dark, or as the system has it.
     pub(crate) light: Option<bool>,
-    /// Closes after so many seconds: for smoke tests.
+    /// Measures its work, and tells of it in the end.
+    pub(crate) figures: bool,
+    /// Closes after so many seconds: for smoke tests. Nothing is remembered then, from the last time
+    /// or for the next.
     pub(crate) exit_after: Option<f64>,
     /// Writes a picture of the window there, as PNG, before it closes by `exit_after`.
     pub(crate) screenshot: Option<PathBuf>,
 }
 
-/// Opens the window and returns when it is closed. The text of an error says why none could be
-/// opened, or, in a smoke test, why there is no screenshot.
-pub(crate) fn run(options: Options) -> Result<(), String> {
-    let [width, height] = options.size.unwrap_or([1280, 800]).map(|s| s.clamp(1, 16_384) as f32);
-    let viewport = egui::ViewportBuilder::default()
+/// Opens the window and returns when it is closed, with figures about its work if they are wished for. The text of an
+/// error says why none could be opened, or, in a smoke test, why there is no screenshot.
+pub(crate) fn run(options: Options) -> Result<Option<String>, String> {
+    let kept = Settings::path().filter(|_| options.exit_after.is_none());
+    if let Some(path) = kept.as_deref().filter(|_| options.reset_settings) {
+        Settings::reset(path)?;
+    }
+    let settings = kept.as_deref().map(Settings::read).unwrap_or_default();
+    let given = options.size.map(|size| size.map(|s| s.clamp(1, 16_384) as f32));
+    let [width, height] = given.or(settings.place.size).unwrap_or([1280.0, 800.0]);
+    let mut viewport = egui::ViewportBuilder::default()
         .with_title("burnish")
         .with_app_id("burnish")
         .with_inner_size([width, height])
         .with_min_inner_size([720.0, 480.0])
         .with_drag_and_drop(true);
+    if let Some(position) = settings.place.position.filter(|_| given.is_none()) {
+        viewport = viewport.with_position(position);
+    }
     let native = eframe::NativeOptions {
         viewport,
         // The picture's codes are to reach the screen as they are.
         dithering: false,
         ..Default::default()
     };
-    let failure = smoke::Failure::default();
-    let told = failure.clone();
+    let told = Told::default();
+    let tell = told.clone();
     let create = move |cc: &eframe::CreationContext<'_>| {
-        let smoke =
-            options.exit_after.map(|seconds| Smoke::new(seconds, options.screenshot.clone(), told));
-        Ok(Box::new(Shell::new(&cc.egui_ctx, &options, smoke)) as Box<dyn eframe::App>)
+        bring_back(cc);
+        Ok(Box::new(Shell::new(&cc.egui_ctx, &options, settings, kept, tell)) as Box<_>)
     };
     eframe::run_native("burnish", native, Box::new(create)).map_err(|e| reason(&e))?;
-    match failure.lock().unwrap_or_else(PoisonError::into_inner).take() {
+    let mut told = told.lock().unwrap_or_else(PoisonError::into_inner);
+    match told.failure.take() {
         Some(why) => Err(why),
-        None => Ok(()),
+        None => Ok(told.figures.take()),
+    }
+}
+
+/// Moves a window to where it can be seen whose screen of last time is not there.
+fn bring_back(cc: &eframe::CreationContext<'_>) {
+    let Some((window, at)) = cc.winit_window().and_then(|w| Some((w, w.outer_position().ok()?)))
+    else {
+        return;
+    };
+    // Some of the line by which it is moved has to be on a screen.
+    let (x, y) = (i64::from(at.x) + 100, i64::from(at.y) + 10);
+    let screens: Vec<_> = window.available_monitors().map(|m| (m.position(), m.size())).collect();
+    let holds =
+        |low: i32, size: u32, at: i64| (0..i64::from(size)).contains(&(at - i64::from(low)));
+    let seen = screens.iter().any(|(p, s)| holds(p.x, s.width, x) && holds(p.y, s.height, y));
+    if !seen && !screens.is_empty() {
+        cc.egui_ctx.send_viewport_cmd(egui::ViewportCommand::OuterPosition(egui::pos2(64.0, 64.0)));
     }
 }
 
@@ -117,43 +157,6 @@ fn reason(error: &eframe::Error) -> String {
 fn last_part(text: &str) -> String {
     let end = text.rfind(".rs:").map_or(0, |i| i + 4);
     text[end..].trim_start_matches(|c: char| c.is_ascii_digit() || ":. ".contains(c)).to_owned()
-}
-
-/// Between the window and the app.
-struct Shell {
-    app: App,
-    smoke: Option<Smoke>,
-}
-
-impl Shell {
-    fn new(ctx: &egui::Context, options: &Options, smoke: Option<Smoke>) -> Shell {
-        if let Some(light) = options.light {
-            ctx.set_theme(if light { egui::Theme::Light } else { egui::Theme::Dark });
-        }
-        let source = options.scene.clone().map_or_else(Source::default, Source::File);
-        // An empty path is the working directory.
-        Shell { app: App::new(ctx, source, options.threads, PathBuf::new()), smoke }
-    }
-}
-
-impl eframe::App for Shell {
-    fn logic(&mut self, ctx: &egui::Context, frame: &mut eframe::Frame) {
-        if let Some(seconds) = frame.info().cpu_usage {
-            self.app.drawing_takes(seconds);
-        }
-        self.app.logic(ctx);
-    }
-
-    fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
-        self.app.ui(ui);
-        if let Some(smoke) = &mut self.smoke {
-            smoke.step(ui.ctx());
-        }
-    }
-
-    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
-        theme::surround(visuals).to_normalized_gamma_f32()
-    }
 }
 
 #[cfg(test)]

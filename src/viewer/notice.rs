@@ -1,6 +1,6 @@
 //! One line that says what happened, over the foot of the picture. It never takes it away.
 
-use super::theme;
+use super::{names, theme};
 use egui::{Align, Button, Frame, Label, Layout, Margin, RichText, Stroke, Ui};
 
 /// Seconds that good news stays.
@@ -47,7 +47,8 @@ impl Notice {
         let mut stays = true;
         frame.show(ui, |ui| {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                stays = !ui.add(Button::new("Dismiss").frame(false)).clicked();
+                let dismiss = Button::new(names::DISMISS.name).frame(false);
+                stays = !ui.add(dismiss).on_hover_text(names::DISMISS.tip).clicked();
                 ui.add_space(theme::GAP);
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                     let text = RichText::new(&self.text).color(colour);

@@ -1,11 +1,12 @@
-//! Ways to another scene: the line in which a path is typed, and the menu of shipped ones.
+//! Ways to another scene: the line in which a path is typed, and the menu of shipped and recent ones.
 
 use super::keys::{self, Action};
 use super::load::Source;
-use super::{theme, widgets};
+use super::recent::Recent;
+use super::{names, theme, widgets};
 use burnish::scene::builtin::EXAMPLES;
 use egui::text::CCursorRange;
-use egui::{Button, ComboBox, Id, Key, TextEdit, Ui};
+use egui::{Button, Id, Key, Popup, TextEdit, Ui};
 use std::path::PathBuf;
 
 #[derive(Default)]
@@ -22,32 +23,43 @@ impl Open {
         self.focus = self.shown;
     }
 
+    /// Shows the line.
+    pub(super) fn show(&mut self) {
+        (self.shown, self.focus) = (true, true);
+    }
+
     pub(super) fn is_shown(&self) -> bool {
         self.shown
     }
 
-    /// Returns the path once it is to be opened.
-    pub(super) fn ui(&mut self, ui: &mut Ui) -> Option<PathBuf> {
+    /// Returns what is to be opened once that is clear.
+    pub(super) fn ui(&mut self, ui: &mut Ui, asked: &mut Vec<Action>) -> Option<Source> {
         let mut chosen = false;
         ui.horizontal_centered(|ui| {
-            let label = ui.label("Open scene");
-            let buttons = ["Open", "Cancel"];
+            let label = ui.label(names::PATH.name).on_hover_text(names::PATH.tip);
+            let browse = keys::binding(Action::Browse).name;
+            let [open, cancel] = [names::OPEN_PATH, names::CANCEL];
+            let buttons = [browse, open.name, cancel.name];
             let padding = theme::GAP + 2.0 * ui.spacing().button_padding.x;
             let width: f32 = buttons.iter().map(|b| widgets::text_width(ui, b) + padding).sum();
             let width = ui.available_width() - width.ceil();
             let field = TextEdit::singleline(&mut self.path)
-                .hint_text("path of a .scn, .obj or .ply file")
+                .hint_text("path of a .scn, .obj or .ply file, or a shipped scene's name")
                 .desired_width(width.max(80.0));
-            let field = ui.add(field).labelled_by(label.id);
+            let field = ui.add(field).labelled_by(label.id).on_hover_text(names::PATH.tip);
             if std::mem::take(&mut self.focus) {
                 field.request_focus();
                 select_all(ui, field.id, &self.path);
             }
             let entered = field.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
             let escaped = ui.input(|i| i.key_pressed(Key::Escape));
-            let [open, cancel] = buttons;
-            chosen = ui.button(open).clicked() || entered;
-            if ui.button(cancel).clicked() || escaped {
+            let tip = keys::tooltip(ui.ctx(), Action::Browse);
+            if ui.button(browse).on_hover_text(tip).clicked() {
+                self.shown = false;
+                asked.push(Action::Browse);
+            }
+            chosen = ui.button(open.name).on_hover_text(open.tip).clicked() || entered;
+            if ui.button(cancel.name).on_hover_text(cancel.tip).clicked() || escaped {
                 self.shown = false;
             }
         });
@@ -56,37 +68,53 @@ impl Open {
             return None;
         }
         self.shown = false;
-        Some(PathBuf::from(path))
+        Some(Source::named(PathBuf::from(path)))
     }
 }
 
-/// The buttons that open and reload, and the menu of shipped scenes. Returns the one chosen there.
-pub(super) fn files(ui: &mut Ui, asked: &mut Vec<Action>) -> Option<Source> {
+/// The buttons that open, reload and save, and the menu of scenes. Returns the one chosen there.
+pub(super) fn files(ui: &mut Ui, recent: &Recent, asked: &mut Vec<Action>) -> Option<Source> {
     let mut chosen = None;
     let width = (ui.available_width() - 2.0 * theme::GAP) / 3.0;
     ui.horizontal(|ui| {
         let size = egui::vec2(width, theme::ROW);
-        for action in [Action::Open, Action::Reload] {
+        for action in [Action::Open, Action::SaveScene] {
             let button = Button::new(keys::binding(action).name).min_size(size);
             let tip = keys::tooltip(ui.ctx(), action);
             if ui.add_sized(size, button).on_hover_text(tip).clicked() {
                 asked.push(action);
             }
         }
-        let menu = ComboBox::from_id_salt("examples")
-            .width(ui.available_width())
-            .selected_text("Examples")
-            .show_ui(ui, |ui| {
-                for example in &EXAMPLES {
-                    let entry = ui.selectable_label(false, example.title);
-                    widgets::beside(&entry, example.shows);
-                    if entry.clicked() {
-                        chosen = Some(Source::Example(example));
-                    }
-                }
-            });
-        menu.response.accessible_name("Examples").on_hover_text("Scenes that come with burnish.");
+        let menu = ui.add_sized(size, Button::new(names::SCENES.name).min_size(size));
+        widgets::menu_arrow(ui, &menu);
+        let menu = menu.on_hover_text(names::SCENES.tip);
+        Popup::menu(&menu).show(|ui| chosen = scenes(ui, recent));
     });
+    chosen
+}
+
+/// The menu's entries: shipped scenes, then recent ones.
+fn scenes(ui: &mut Ui, recent: &Recent) -> Option<Source> {
+    let mut chosen = None;
+    ui.spacing_mut().item_spacing.y = 0.0;
+    for example in &EXAMPLES {
+        let entry = ui.button(example.title);
+        widgets::beside(&entry, example.shows);
+        if entry.clicked() {
+            chosen = Some(Source::Example(example));
+        }
+    }
+    if !recent.paths().is_empty() {
+        ui.separator();
+    }
+    for path in recent.paths() {
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        let entry = ui.button(name);
+        widgets::beside(&entry, &path.display().to_string());
+        if entry.clicked() {
+            chosen = Some(Source::File(path.clone()));
+        }
+    }
     chosen
 }
 

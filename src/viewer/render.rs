@@ -6,7 +6,7 @@ use super::goal::{Goal, Stop};
 use burnish::progressive::{Params, ParamsError, Session, Snapshot, State};
 use egui::Context;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// New pictures are shown at most this often, and less often where drawing is slow. Input and the
@@ -16,6 +16,12 @@ const SLOWEST: Duration = Duration::from_millis(150);
 /// Drawing is to take no more than one part in so many of the time: the workers want the cores,
 /// too, where a processor has to do a graphics card's work.
 const SHARE: f32 = 3.0;
+/// So long after the last input the window is only looked at, and the workers get nearly all of the
+/// time.
+const CALM: f64 = 2.0;
+const CALM_FRAME: Duration = Duration::from_millis(400);
+const CALM_SLOWEST: Duration = Duration::from_millis(2000);
+const CALM_SHARE: f32 = 60.0;
 
 pub(super) struct Render {
     session: Session,
@@ -33,8 +39,12 @@ pub(super) struct Render {
     pub(super) newest: Option<Snapshot>,
     /// Set while the first picture after a change is awaited.
     awaited: Arc<AtomicBool>,
-    /// Milliseconds from one picture to the next.
-    pace: Arc<AtomicU64>,
+    /// From one picture to the next.
+    pace: Duration,
+    /// Seconds that drawing one frame takes.
+    drawing: f32,
+    /// When there was input, in egui's seconds.
+    touched: f64,
 }
 
 impl Render {
@@ -44,14 +54,16 @@ impl Render {
         document: &Document,
         threads: usize,
     ) -> Result<Render, ParamsError> {
+        let ctx_time = ctx.input(|i| i.time);
         let awaited = Arc::new(AtomicBool::new(true));
-        let pace = Arc::new(AtomicU64::new(FRAME.as_millis() as u64));
-        let (at_once, wait, ctx) = (awaited.clone(), pace.clone(), ctx.clone());
+        let (at_once, ctx) = (awaited.clone(), ctx.clone());
         let notify = move || {
             if at_once.load(Ordering::Relaxed) {
                 ctx.request_repaint();
             } else {
-                ctx.request_repaint_after(Duration::from_millis(wait.load(Ordering::Relaxed)));
+                // The workers keep the pace; what they send out of turn, such as the end, is not to
+                // wait for long.
+                ctx.request_repaint_after(FRAME);
             }
         };
         let told = document.params.clone();
@@ -68,7 +80,9 @@ impl Render {
             latency: None,
             newest: None,
             awaited,
-            pace,
+            pace: FRAME,
+            drawing: 0.0,
+            touched: ctx_time,
         };
         render.tell(document)?;
         Ok(render)
@@ -125,14 +139,33 @@ impl Render {
     }
 
     /// Takes note of how many seconds drawing one frame takes.
-    pub(super) fn drawing_takes(&self, seconds: f32) {
-        let wait = Duration::try_from_secs_f32(SHARE * seconds).unwrap_or(FRAME);
-        self.pace.store(wait.clamp(FRAME, SLOWEST).as_millis() as u64, Ordering::Relaxed);
+    pub(super) fn drawing_takes(&mut self, seconds: f32) {
+        self.drawing = seconds;
+    }
+
+    /// Sets the pace of the pictures, at `now` seconds: brisk while somebody is at work in the window
+    /// (`touched`), calm afterwards.
+    pub(super) fn pace(&mut self, now: f64, touched: bool) {
+        if touched || self.awaited.load(Ordering::Relaxed) || self.ends_soon() {
+            self.touched = now;
+        }
+        let wait = wait(self.drawing, now - self.touched);
+        if wait.as_millis() != self.pace.as_millis() {
+            self.pace = wait;
+            self.session.set_interval(wait);
+        }
     }
 
     /// The newest picture, if it is one of the present parameters.
     fn current(&self) -> Option<&Snapshot> {
         self.newest.as_ref().filter(|s| s.epoch >= self.epoch)
+    }
+
+    /// Whether the clock has to be looked at often, for the workers don't.
+    fn ends_soon(&self) -> bool {
+        let soon = 2.0 * CALM_SLOWEST.as_secs_f64();
+        let left = |s: &Snapshot| self.goal.seconds - s.seconds;
+        self.goal.stop == Stop::Time && self.current().is_some_and(|s| left(s) < soon)
     }
 
     fn time_is_up(&self) -> bool {
@@ -154,5 +187,33 @@ impl Render {
     fn await_first_pixels(&mut self) {
         self.changed = Instant::now();
         self.awaited.store(true, Ordering::Relaxed);
+    }
+}
+
+/// From one picture to the next, where drawing one takes so many seconds and the last input is so
+/// many seconds ago.
+fn wait(drawing: f32, since: f64) -> Duration {
+    let (share, shortest, longest) =
+        if since < CALM { (SHARE, FRAME, SLOWEST) } else { (CALM_SHARE, CALM_FRAME, CALM_SLOWEST) };
+    Duration::try_from_secs_f32(share * drawing).unwrap_or(shortest).clamp(shortest, longest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_window_that_is_only_looked_at_leaves_the_workers_their_time() {
+        for (drawing, since, millis) in [
+            (0.001, 0.0, 33),
+            (0.03125, 1.9, 93),
+            (0.5, 0.0, 150),
+            (0.001, 2.0, 400),
+            (0.03125, 5.0, 1875),
+            (0.5, 5.0, 2000),
+            (f32::NAN, 5.0, 400),
+        ] {
+            assert_eq!(wait(drawing, since).as_millis(), millis, "{drawing} s, {since} s");
+        }
     }
 }

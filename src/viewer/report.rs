@@ -2,14 +2,22 @@
 
 use super::document::Document;
 use super::energy::Energy;
-use super::{theme, widgets};
+use super::keys::{self, Action};
+use super::{names, theme, widgets};
 use burnish::scene::Warning;
 use egui::{Label, RichText, Ui};
 
 pub(super) struct ReportPanel;
 
 impl ReportPanel {
-    pub(super) fn ui(&mut self, ui: &mut Ui, document: &Document, energy: &mut Energy) {
+    /// Draws the section; `watch` is whether changed files are read again.
+    pub(super) fn ui(
+        &mut self,
+        ui: &mut Ui,
+        document: &Document,
+        energy: &mut Energy,
+        watch: &mut bool,
+    ) -> Option<Action> {
         let warnings = &document.report.warnings;
         let badge = (!warnings.is_empty()).then(|| {
             let plural = if warnings.len() == 1 { "" } else { "s" };
@@ -17,8 +25,18 @@ impl ReportPanel {
         });
         // The number keeps each scene's section apart: a new scene's warnings are seen once.
         let id = ("scene", document.number);
-        widgets::section(ui, id, "Scene", badge, !warnings.is_empty(), |ui| {
+        let asked = widgets::section(ui, id, "Scene", badge, !warnings.is_empty(), |ui| {
             ui.spacing_mut().item_spacing.y = 4.0;
+            // First: what the model does to energy is told below it a moment later.
+            let asked = ui
+                .horizontal(|ui| {
+                    let reload = keys::binding(Action::Reload).name;
+                    let tip = keys::tooltip(ui.ctx(), Action::Reload);
+                    let pressed = ui.button(reload).on_hover_text(tip).clicked();
+                    ui.checkbox(watch, names::WATCH.name).on_hover_text(names::WATCH.tip);
+                    pressed.then_some(Action::Reload)
+                })
+                .inner;
             for warning in warnings {
                 one(ui, warning);
             }
@@ -38,7 +56,9 @@ impl ReportPanel {
                 .map(|(n, what)| format!("{n} {what}{}", if *n == 1 { "" } else { "s" }))
                 .collect();
             ui.weak(shapes.join(", "));
+            asked
         });
+        asked.flatten()
     }
 }
 

@@ -1,14 +1,58 @@
-//! Writing what is shown to files, in the background.
+//! Writing what is shown, and the scene itself, to files, in the background.
 
-use burnish::picture::{Tone, write};
+use burnish::picture::{Tone, replace_file, write};
 use burnish::progressive::{Params, Recipe, Snapshot};
+use burnish::scene::write::scn;
 use egui::Context;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
-/// A snapshot being written.
+/// Files being written.
 pub(super) struct Saving {
+    what: &'static str,
     result: Receiver<Result<String, String>>,
+}
+
+impl Saving {
+    /// Starts to write a snapshot; repaints once the files are there.
+    pub(super) fn snapshot(ctx: &Context, job: Job) -> Result<Saving, String> {
+        Saving::start(ctx, "snapshot", move || job.run())
+    }
+
+    /// The same with an edited scene.
+    pub(super) fn scene(ctx: &Context, job: SceneJob) -> Result<Saving, String> {
+        Saving::start(ctx, "scene", move || job.run())
+    }
+
+    fn start(
+        ctx: &Context,
+        what: &'static str,
+        run: impl FnOnce() -> Result<String, String> + Send + 'static,
+    ) -> Result<Saving, String> {
+        let (send, result) = channel();
+        let ctx = ctx.clone();
+        std::thread::Builder::new()
+            .name(what.to_owned())
+            .spawn(move || {
+                // Nobody listens when the window has been closed; the files are written anyway.
+                let _ = send.send(run().map_err(|why| format!("no {what}: {why}")));
+                drop(send);
+                ctx.request_repaint();
+            })
+            .map_err(|e| format!("no {what}: could not start a thread to write it: {e}"))?;
+        Ok(Saving { what, result })
+    }
+
+    /// Where it went, or why not; `None` while it is being written.
+    pub(super) fn poll(&self) -> Option<Result<String, String>> {
+        match self.result.try_recv() {
+            Ok(result) => Some(result),
+            Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) => {
+                Some(Err(format!("no {}: writing it ended in a fault of burnish", self.what)))
+            }
+        }
+    }
 }
 
 /// What to write and where.
@@ -22,50 +66,51 @@ pub(super) struct Job {
     pub(super) stem: String,
 }
 
-impl Saving {
-    /// Starts; repaints once the files are there.
-    pub(super) fn start(ctx: &Context, job: Job) -> Result<Saving, String> {
-        let (send, result) = channel();
-        let ctx = ctx.clone();
-        std::thread::Builder::new()
-            .name("snapshot".to_owned())
-            .spawn(move || {
-                // Nobody listens when the window has been closed; the files are written anyway.
-                let _ = send.send(job.run());
-                drop(send);
-                ctx.request_repaint();
-            })
-            .map_err(|e| format!("no snapshot: could not start a thread to write it: {e}"))?;
-        Ok(Saving { result })
-    }
-
-    /// Where it went, or why not; `None` while it is being written.
-    pub(super) fn poll(&self) -> Option<Result<String, String>> {
-        match self.result.try_recv() {
-            Ok(result) => Some(result),
-            Err(TryRecvError::Empty) => None,
-            Err(TryRecvError::Disconnected) => {
-                Some(Err("no snapshot: writing it ended in a fault of burnish".to_owned()))
-            }
-        }
-    }
-}
-
 impl Job {
     fn run(&self) -> Result<String, String> {
         let [png, exr] = free_names(&self.folder, &self.stem)
-            .ok_or_else(|| format!("no snapshot: {} is full of them", self.folder.display()))?;
+            .ok_or_else(|| format!("{} is full of them", self.folder.display()))?;
         let picture = self.snapshot.mean();
         for path in [&png, &exr] {
             match &self.recipe {
                 Some(recipe) => recipe.save(path, &picture, self.tone),
                 None => write(path, &picture, self.tone),
             }
-            .map_err(|e| format!("no snapshot: {e}"))?;
+            .map_err(|e| e.to_string())?;
         }
         let plural = if self.snapshot.passes == 1 { "pass" } else { "passes" };
         Ok(format!("Wrote {} and .exr ({} {plural})", png.display(), self.snapshot.passes))
     }
+}
+
+/// An edited scene to be written, and where.
+pub(super) struct SceneJob {
+    pub(super) params: Params,
+    pub(super) folder: PathBuf,
+}
+
+impl SceneJob {
+    fn run(&self) -> Result<String, String> {
+        let Params { scene, materials, camera, size, .. } = &self.params;
+        let text = scn(scene, materials, camera, *size, &self.folder).map_err(|e| e.to_string())?;
+        let stem = plain(scene.name());
+        let path = free_name(&self.folder, &stem)
+            .ok_or_else(|| format!("{} is full of them", self.folder.display()))?;
+        replace_file(&path, |file| file.write_all(text.as_bytes())).map_err(|e| e.to_string())?;
+        Ok(format!("Wrote {}", path.display()))
+    }
+}
+
+/// The first name for an edited scene that no file has: "table-edited.scn", "table-edited-2.scn".
+fn free_name(folder: &Path, stem: &str) -> Option<PathBuf> {
+    // An edited scene that was edited again.
+    let unnumbered = stem.trim_end_matches(|c: char| c == '-' || c.is_ascii_digit());
+    let stem = unnumbered.strip_suffix("-edited").unwrap_or(stem);
+    let numbers = (2..100_000).map(|n| format!("-{n}"));
+    std::iter::once(String::new())
+        .chain(numbers)
+        .map(|number| folder.join(format!("{stem}-edited{number}.scn")))
+        .find(|path| !path.exists())
 }
 
 /// The first number of which there is neither a PNG nor an EXR.
@@ -109,6 +154,24 @@ mod tests {
             ("three balls", "three-balls"),
         ] {
             assert_eq!(plain(scene), expected, "{scene:?}");
+        }
+    }
+
+    #[test]
+    fn an_edited_scene_never_takes_a_name_that_is_in_use() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = |name: &str| folder.path().join(name);
+        for (stem, expected) in [
+            ("two", "two-edited.scn"),
+            ("two", "two-edited-2.scn"),
+            ("two-edited", "two-edited-3.scn"),
+            ("two-edited-2", "two-edited-4.scn"),
+            ("scene-7", "scene-7-edited.scn"),
+            ("7", "7-edited.scn"),
+        ] {
+            let free = free_name(folder.path(), stem).unwrap();
+            assert_eq!(free, place(expected));
+            std::fs::write(free, "").unwrap();
         }
     }
 

@@ -1,29 +1,27 @@
 //! A window that closes by itself after a while, with a picture of itself: for smoke tests.
 
+use super::shell::Told;
 use burnish::picture::{Picture, Tone, write};
 use egui::{Color32, ColorImage, Context, Rgba, ViewportCommand};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Seconds that the screenshot may take before the window is closed without one.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Why there is no screenshot, once that is known.
-pub(super) type Failure = Arc<Mutex<Option<String>>>;
-
 pub(super) struct Smoke {
     end: Instant,
     screenshot: Option<PathBuf>,
     asked: bool,
-    failure: Failure,
+    told: Told,
 }
 
 impl Smoke {
-    pub(super) fn new(seconds: f64, screenshot: Option<PathBuf>, failure: Failure) -> Smoke {
+    pub(super) fn new(seconds: f64, screenshot: Option<PathBuf>, told: Told) -> Smoke {
         let wait = Duration::try_from_secs_f64(seconds).unwrap_or_default();
         let now = Instant::now();
-        Smoke { end: now.checked_add(wait).unwrap_or(now), screenshot, asked: false, failure }
+        Smoke { end: now.checked_add(wait).unwrap_or(now), screenshot, asked: false, told }
     }
 
     /// Called with each frame: waits, takes the picture, closes.
@@ -34,7 +32,7 @@ impl Smoke {
             return;
         }
         if self.asked && now > self.end + PATIENCE {
-            set(&self.failure, "the window gave no picture of itself".to_owned());
+            set(&self.told, "the window gave no picture of itself".to_owned());
             ctx.send_viewport_cmd(ViewportCommand::Close);
         }
         if std::mem::replace(&mut self.asked, true) {
@@ -45,10 +43,10 @@ impl Smoke {
             ctx.send_viewport_cmd(ViewportCommand::Close);
             return;
         };
-        let (failure, close) = (self.failure.clone(), ctx.clone());
+        let (told, close) = (self.told.clone(), ctx.clone());
         let callback = move |image: Arc<ColorImage>| {
             if let Err(why) = save(&path, &image) {
-                set(&failure, why);
+                set(&told, why);
             }
             close.send_viewport_cmd(ViewportCommand::Close);
             close.request_repaint();
@@ -59,8 +57,8 @@ impl Smoke {
     }
 }
 
-fn set(failure: &Failure, why: String) {
-    *failure.lock().unwrap_or_else(PoisonError::into_inner) = Some(why);
+fn set(told: &Told, why: String) {
+    told.lock().unwrap_or_else(PoisonError::into_inner).failure = Some(why);
 }
 
 /// Codes become light and then the same codes again, so that the file holds what was on screen.

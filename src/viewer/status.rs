@@ -1,8 +1,7 @@
 //! The one line of figures below the picture.
 
-use super::canvas::Hover;
 use super::document::Document;
-use super::figures::{digits, percent, short};
+use super::figures::{percent, short};
 use super::goal::Stop;
 use super::theme;
 use burnish::progressive::{ErrorEstimate, Interval, Snapshot, State};
@@ -18,14 +17,13 @@ pub(super) struct Facts<'a> {
     /// Whether the goal has been reached.
     pub(super) done: bool,
     pub(super) latency: Option<Duration>,
-    pub(super) hover: Option<Hover>,
     /// The scene being read, by name.
     pub(super) loading: Option<&'a str>,
 }
 
 impl Status {
-    /// The scene at the right, the progress at the left, the pixel between them. What there is no
-    /// room for is left out, the least important first.
+    /// The scene at the right, the progress at the left. What there is no room for is left out, the
+    /// least important first.
     pub(super) fn ui(&mut self, ui: &mut Ui, facts: &Facts) {
         let row = ui.max_rect();
         let mut right = row.right();
@@ -37,19 +35,14 @@ impl Status {
             .left();
         }
         let rest = Rect::from_min_max(row.min, egui::pos2(right - theme::GROUP, row.bottom()));
-        let left = group(ui, rest, Layout::left_to_right(Align::Center), |ui| {
+        group(ui, rest, Layout::left_to_right(Align::Center), |ui| {
             if let Some(name) = facts.loading {
                 ui.add(Label::new(format!("Reading {name} ...")).truncate());
             }
             if let Some(document) = facts.document {
                 progress(ui, document, facts);
             }
-        })
-        .right();
-        if let Some(hover) = facts.hover {
-            let rest = rest.with_min_x(left + theme::GROUP);
-            group(ui, rest, Layout::right_to_left(Align::Center), |ui| pixel(ui, hover));
-        }
+        });
     }
 }
 
@@ -162,18 +155,6 @@ fn warnings(ui: &mut Ui, document: &Document) {
     ui.add(Label::new(text.color(colour))).on_hover_text(tip);
 }
 
-fn pixel(ui: &mut Ui, hover: Hover) {
-    let [x, y] = hover.pixel;
-    let triple = |c: [f32; 3]| c.map(|v| format!("{:>7}", digits(f64::from(v), 3))).join(" ");
-    let mut tip = "Column and row of the pixel from the top left, and its mean radiance: red, \
-                   green, blue, linear Rec. 709."
-        .to_owned();
-    if let Some(error) = hover.standard_error {
-        tip += &format!("\nStandard error: {}", triple(error));
-    }
-    figure(ui, format!("({x:>4}, {y:>4}) {}", triple(hover.mean)), &tip);
-}
-
 /// A text with a tooltip, if there is room for all of it; whether there was.
 fn figure(ui: &mut Ui, text: String, tip: &str) -> bool {
     let font = egui::TextStyle::Monospace.resolve(ui.style());
@@ -202,8 +183,9 @@ mod tests {
             report: Report::default(),
             source: Default::default(),
             again: false,
+            files: Vec::new(),
         };
-        let document = Document::open(loaded, None);
+        let document = Document::open(loaded, None, Default::default());
         let mut snapshot = Snapshot {
             epoch: 1,
             grid: TileGrid { size: [640, 480] },
@@ -219,8 +201,7 @@ mod tests {
         let line = |ui: &mut Ui| {
             let (document, snapshot) = (Some(&document), Some(&snapshot));
             let done = snapshot.is_some_and(|s| s.state == State::Done);
-            let facts =
-                Facts { document, snapshot, done, latency: None, hover: None, loading: None };
+            let facts = Facts { document, snapshot, done, latency: None, loading: None };
             Status.ui(ui, &facts);
         };
         let harness = Harness::builder().with_size([width, 28.0]).build_ui(line);

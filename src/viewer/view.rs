@@ -2,6 +2,7 @@
 
 use super::document::Document;
 use super::keys::{self, Action};
+use super::names;
 use super::widgets::{self, Weight};
 use burnish::picture::Curve;
 use egui::{Slider, ThemePreference, Ui};
@@ -10,7 +11,7 @@ pub(super) struct View;
 
 impl View {
     /// Exposures that the slider reaches, in stops.
-    const STOPS: std::ops::RangeInclusive<f32> = -10.0..=10.0;
+    pub(super) const STOPS: [f32; 2] = [-10.0, 10.0];
 
     pub(super) fn ui(&mut self, ui: &mut Ui, document: &mut Document) -> Option<Action> {
         let asked = widgets::section(ui, "view", "View", None, true, |ui| {
@@ -25,17 +26,17 @@ impl View {
 
     /// Changes the exposure by so many stops.
     pub(super) fn expose(document: &mut Document, stops: f32) {
-        let exposure = document.tone.exposure + stops;
-        document.tone.exposure = exposure.clamp(*Self::STOPS.start(), *Self::STOPS.end());
+        let [low, high] = Self::STOPS;
+        document.tone.exposure = (document.tone.exposure + stops).clamp(low, high);
     }
 }
 
 fn exposure(ui: &mut Ui, document: &mut Document) {
-    let tip = "Shown is radiance times 2^stops. Keys: E and Shift-E. Double-click for 0.";
-    widgets::field(ui, "Exposure", tip, |ui, label| {
+    let [low, high] = View::STOPS;
+    widgets::field(ui, &names::EXPOSURE, |ui, label| {
         ui.spacing_mut().slider_width = ui.available_width() - 80.0;
         ui.spacing_mut().interact_size.x = 72.0;
-        let slider = Slider::new(&mut document.tone.exposure, View::STOPS)
+        let slider = Slider::new(&mut document.tone.exposure, low..=high)
             .fixed_decimals(1)
             .trailing_fill(false)
             .suffix(" stops");
@@ -46,8 +47,7 @@ fn exposure(ui: &mut Ui, document: &mut Document) {
 }
 
 fn curve(ui: &mut Ui, document: &mut Document) {
-    let tip = "How radiance beyond the screen's white is shown. Of the display and PNG only.";
-    widgets::field(ui, "Curve", tip, |ui, _| {
+    widgets::field(ui, &names::CURVE, |ui, _| {
         let chosen = Curve::ALL.iter().position(|&c| c == document.tone.curve).unwrap_or(0);
         let entries = Curve::ALL.map(|c| (c.title(), describe(c).to_owned(), true));
         if let Some(i) = widgets::segmented(ui, Weight::Quiet, chosen, &entries) {
@@ -56,7 +56,8 @@ fn curve(ui: &mut Ui, document: &mut Document) {
     });
 }
 
-fn describe(curve: Curve) -> &'static str {
+/// What a curve does.
+pub(super) fn describe(curve: Curve) -> &'static str {
     match curve {
         Curve::Srgb => "min(x, 1): what is too bright is clipped.",
         Curve::Reinhard => "x / (1 + x), each channel: never clips, lowers contrast.",
@@ -67,19 +68,21 @@ fn describe(curve: Curve) -> &'static str {
 fn camera(ui: &mut Ui) -> Option<Action> {
     const ACTIONS: [Action; 3] = [Action::Home, Action::Frame, Action::CopyCamera];
     let tips = ACTIONS.map(|a| (keys::binding(a).name, keys::tooltip(ui.ctx(), a), true));
-    widgets::field(ui, "Camera", "", |ui, _| widgets::button_row(ui, &tips).map(|i| ACTIONS[i]))
+    widgets::field(ui, &names::CAMERA, |ui, _| widgets::button_row(ui, &tips).map(|i| ACTIONS[i]))
 }
 
+/// The colours of the window, with their names and what they do.
+pub(super) const THEMES: [(ThemePreference, &str, &str); 3] = [
+    (ThemePreference::System, "System", "Light or dark as the system is."),
+    (ThemePreference::Dark, "Dark", "Light text on dark grey."),
+    (ThemePreference::Light, "Light", "Dark text on light grey."),
+];
+
 fn appearance(ui: &mut Ui) {
-    const THEMES: [(ThemePreference, &str, &str); 3] = [
-        (ThemePreference::System, "System", "Light or dark as the system is."),
-        (ThemePreference::Dark, "Dark", "Light text on dark grey."),
-        (ThemePreference::Light, "Light", "Dark text on light grey."),
-    ];
     let present = ui.ctx().options(|o| o.theme_preference);
     let chosen = THEMES.iter().position(|t| t.0 == present).unwrap_or(0);
     let entries = THEMES.map(|(_, words, tip)| (words, tip.to_owned(), true));
-    widgets::field(ui, "Window", "", |ui, _| {
+    widgets::field(ui, &names::WINDOW, |ui, _| {
         if let Some(i) = widgets::segmented(ui, Weight::Quiet, chosen, &entries) {
             ui.ctx().set_theme(THEMES[i].0);
         }

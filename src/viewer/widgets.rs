@@ -1,6 +1,7 @@
 //! The few widgets that egui does not have, or not so.
 
 use super::figures::digits;
+use super::names::Control;
 use super::theme;
 use egui::collapsing_header::CollapsingState;
 use egui::{
@@ -63,16 +64,12 @@ pub(super) fn segmented(
 /// A line of the panel: a name in a column of its own, and what belongs to it.
 pub(super) fn field<R>(
     ui: &mut Ui,
-    name: &str,
-    tip: &str,
+    control: &Control,
     body: impl FnOnce(&mut Ui, egui::Id) -> R,
 ) -> R {
     ui.horizontal(|ui| {
         let left = ui.cursor().left();
-        let mut label = ui.label(name);
-        if !tip.is_empty() {
-            label = label.on_hover_text(tip);
-        }
+        let label = ui.label(control.name).on_hover_text(control.tip);
         ui.add_space((theme::LABELS - (ui.cursor().left() - left)).max(0.0));
         body(ui, label.id)
     })
@@ -180,6 +177,12 @@ pub(super) fn section<R>(
         }
     });
     state.show_body_unindented(ui, body).map(|r| r.inner)
+}
+
+/// Says that a button opens a menu.
+pub(super) fn menu_arrow(ui: &Ui, button: &Response) {
+    let colour = ui.style().interact(button).text_color();
+    arrow(ui.painter(), button.rect.right_center() - vec2(10.0, 0.0), 1.0, colour);
 }
 
 fn arrow(painter: &egui::Painter, centre: egui::Pos2, openness: f32, colour: Color32) {

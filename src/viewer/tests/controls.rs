@@ -1,6 +1,7 @@
 //! The side panel and the keys.
 
 use super::*;
+use egui_kittest::kittest::NodeT;
 
 #[test]
 fn every_control_is_found_by_its_label() {
@@ -10,10 +11,12 @@ fn every_control_is_found_by_its_label() {
     {
         desk.harness.get_by_role_and_label(Role::Button, label);
     }
-    for label in ["Undo", "Redo", "Command", "Open", "Reload", "Passes", "Error", "Time"] {
+    for label in
+        ["Undo", "Redo", "Command", "Open", "Save scene", "Reload", "Passes", "Error", "Time"]
+    {
         desk.harness.get_by_role_and_label(Role::Button, label);
     }
-    desk.harness.get_by_role_and_label(Role::ComboBox, "Examples");
+    desk.harness.get_by_role_and_label(Role::Button, "Scenes");
     for curve in Curve::ALL {
         desk.harness.get_by_label(curve.title());
     }
@@ -23,7 +26,7 @@ fn every_control_is_found_by_its_label() {
     for slider in ["Roughness", "Exposure"] {
         desk.harness.get_by_role_and_label(Role::Slider, slider);
     }
-    for section in ["Materials", "View", "Errata and method", "Scene", "Picture"] {
+    for section in ["Materials", "View", "Tracing", "Errata and method", "Scene", "Picture"] {
         desk.harness.get_by_label(section);
     }
     // And nothing that can be used is without a name.
@@ -215,7 +218,7 @@ fn every_button_with_a_key_says_so() {
     for name in
         ["Phong", "Beckmann", "GGX", "Pause", "Restart", "Snapshot", "Home", "Frame", "Copy"]
             .into_iter()
-            .chain(["Undo", "Redo", "Command", "Open", "Reload"])
+            .chain(["Undo", "Redo", "Command", "Open", "Save scene", "Reload"])
     {
         let node = desk.harness.get_by_role_and_label(Role::Button, name);
         let description = egui_kittest::kittest::NodeT::accesskit_node(&node).description();
@@ -239,4 +242,62 @@ fn undo_takes_back_one_change_after_the_other() {
         assert!(desk.doc().params == expected);
         assert!(*desk.app().render.as_ref().unwrap().told() == expected);
     }
+}
+
+#[test]
+fn the_window_is_closed_by_its_key() {
+    let mut desk = Desk::new();
+    // In the very frame of the press the window is told.
+    desk.harness.event(Event::Key {
+        key: Key::Q,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers: Modifiers::CTRL | Modifiers::COMMAND,
+    });
+    desk.harness.step();
+    let told = &desk.harness.output().viewport_output[&egui::ViewportId::ROOT].commands;
+    assert!(told.contains(&egui::ViewportCommand::Close), "{told:?}");
+}
+
+#[test]
+fn no_control_moves_while_the_picture_gets_better() {
+    let mut desk = Desk::new();
+    for section in ["Tracing", "Errata and method", "Proofs"] {
+        desk.click_role(Role::Button, section);
+        desk.harness.run_ok();
+    }
+    let places = |desk: &Desk| {
+        let roles = [Role::Button, Role::CheckBox, Role::ComboBox, Role::Slider, Role::SpinButton];
+        let all = roles.into_iter().flat_map(|role| desk.harness.query_all_by_role(role));
+        all.map(|node| (node.accesskit_node().label().unwrap_or_default(), node.rect()))
+            .collect::<Vec<_>>()
+    };
+    desk.key(Key::R);
+    let before = places(&desk);
+    assert!(before.len() > 40, "{}", before.len());
+    desk.until("passes", |app| {
+        let newest = app.render.as_ref().unwrap().newest.as_ref().unwrap();
+        newest.passes > 100 && newest.error.is_some_and(|e| e.reliable)
+    });
+    assert_eq!(places(&desk), before);
+}
+
+#[test]
+fn presses_within_one_frame_all_count() {
+    let mut desk = Desk::new();
+    let before = desk.alpha();
+    for _ in 0..4 {
+        for pressed in [true, false] {
+            desk.harness.input_mut().events.push(Event::Key {
+                key: Key::CloseBracket,
+                physical_key: None,
+                pressed,
+                repeat: false,
+                modifiers: Modifiers::NONE,
+            });
+        }
+    }
+    desk.harness.step();
+    assert!((desk.alpha() / before - 2.0).abs() < 1e-9, "{before} became {}", desk.alpha());
 }

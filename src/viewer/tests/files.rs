@@ -157,7 +157,7 @@ fn closing_at_any_moment_leaves_whole_files_or_none() {
 #[test]
 fn the_menu_has_every_shipped_scene_and_opens_it() {
     let mut desk = Desk::new();
-    desk.click_role(Role::ComboBox, "Examples");
+    desk.click_role(Role::Button, "Scenes");
     desk.harness.run_steps(3);
     for example in &EXAMPLES {
         desk.harness.get_by_role_and_label(Role::Button, example.title);
@@ -172,7 +172,10 @@ fn the_menu_has_every_shipped_scene_and_opens_it() {
 
 #[test]
 fn reload_reads_the_file_again_and_a_moved_camera_stays() {
-    let mut desk = Desk::new();
+    // By the key and the button alone.
+    let settings = Settings { watch: false, ..Settings::default() };
+    let mut desk = Desk::with(SCENE, settings, |_| Picked::Nothing);
+    desk.until("a picture", |app| app.render.as_ref().is_some_and(|r| r.newest.is_some()));
     let path = desk.folder.path().join("two.scn");
     let edited = SCENE.replace("0.5 0.1 0.1", "0.25 0.1 0.1").replace("camera 0 -6", "camera 0 -7");
     std::fs::write(&path, edited).unwrap();

@@ -2,6 +2,8 @@
 
 use super::*;
 use burnish::scene::Material;
+use egui::accesskit::Toggled;
+use egui_kittest::kittest::NodeT;
 
 /// With a material picked, a picture of a few passes there.
 fn desk(picked: u32) -> Desk {
@@ -23,7 +25,7 @@ fn is_there(desk: &Desk, role: Role, label: &str) -> bool {
 fn fields_are_there_for_the_picked_material_alone() {
     let mut desk = Desk::done(1);
     assert!(!is_there(&desk, Role::SpinButton, "Kd red"));
-    desk.harness.get_by_label("Pick one, here or in the picture, to edit it.");
+    desk.harness.get_by_label("pick one, here or in the picture");
     desk.document(|d| d.pick(Some(0)));
     desk.harness.run_ok();
     for quantity in ["Kd", "Ks"] {
@@ -94,4 +96,54 @@ fn a_light_has_its_emission() {
     // Turned off, it can be turned on again.
     desk.type_into("Emits blue", "0");
     assert!(is_there(&desk, Role::SpinButton, "Emits blue"));
+}
+
+#[test]
+fn picking_in_the_list_and_in_the_picture_is_the_same() {
+    let mut desk = Desk::done(1);
+    let name = material(&desk, 1).name.clone();
+    let chosen = |desk: &Desk, name: &str| {
+        let rows = desk.harness.get_all_by_role_and_label(Role::Button, name);
+        rows.filter(|row| row.accesskit_node().toggled() == Some(Toggled::True)).count()
+    };
+    assert_eq!(chosen(&desk, &name), 0);
+    desk.click(&name);
+    desk.harness.run_ok();
+    assert_eq!((desk.doc().picked, desk.doc().only_picked), (Some(1), true));
+    // In the list and in the choice above.
+    assert_eq!(chosen(&desk, &name), 2);
+    desk.click_pixel(LEFT_BALL);
+    let left = material(&desk, 0).name.clone();
+    assert_eq!((chosen(&desk, &name), chosen(&desk, &left)), (0, 2));
+    desk.click_pixel(RIGHT_BALL);
+    assert_eq!((chosen(&desk, &name), chosen(&desk, &left)), (2, 0));
+    desk.click_pixel(BACKGROUND);
+    assert_eq!(chosen(&desk, &left), 0);
+    assert!(!desk.doc().only_picked);
+}
+
+#[test]
+fn a_very_long_list_is_drawn_where_it_is_seen() {
+    let balls =
+        (0..1000).map(|i| format!("brdf 0.5 0.5 0.5 0.1 0.1 0.1 {}\nsphere {i} 0 0 0.4\n", i + 1));
+    let head = "screen 64 48\ncamera 0 -9 0 0.4 x 90\nlight 9 9 9\nsphere 0 -3 5 1\n";
+    let mut desk = Desk::reading(&(head.to_owned() + &balls.collect::<String>()));
+    desk.until("a scene", |app| app.document.is_some());
+    let names: Vec<String> = desk.doc().params.materials.iter().map(|m| m.name.clone()).collect();
+    let drawn =
+        |desk: &Desk| names.iter().filter(|n| desk.harness.query_by_label(n).is_some()).count();
+    assert_eq!(names.len(), 1001);
+    assert!((5..100).contains(&drawn(&desk)), "{} lines", drawn(&desk));
+    assert!(desk.harness.query_by_label(&names[700]).is_none());
+    desk.document(|d| d.pick(Some(700)));
+    desk.harness.run_ok();
+    // In the choice above the list, and in the list.
+    assert_eq!(desk.harness.query_all_by_label(&names[700]).count(), 2);
+    // Another one in sight is picked without the list being moved.
+    let before = desk.harness.get_by_label(&names[702]).rect();
+    desk.click(&names[702]);
+    desk.harness.run_ok();
+    let rows = desk.harness.query_all_by_label(&names[702]).map(|n| n.rect());
+    assert_eq!(desk.doc().picked, Some(702));
+    assert!(rows.into_iter().any(|r| r.min == before.min));
 }

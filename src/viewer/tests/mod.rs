@@ -7,13 +7,19 @@ mod goal;
 mod history;
 mod materials;
 mod method;
+mod names;
+mod open;
 mod picture;
 mod proofs;
+mod settings;
+mod tracing;
 
-use super::app::App;
+use super::app::{App, Setup};
+use super::browse::{Dialog, Picked};
 use super::document::{Document, Shown};
 use super::keys::{self, TABLE};
 use super::load::Source;
+use super::settings::Settings;
 use burnish::brdf::Model;
 use burnish::picture::{Curve, NAN_COLOUR, read_exr};
 use burnish::progressive::{Snapshot, State};
@@ -102,6 +108,11 @@ impl Desk {
     }
 
     fn reading(scene: &str) -> Desk {
+        Desk::with(scene, Settings::default(), |_| Picked::Nothing)
+    }
+
+    /// The same with what is remembered, and with a file dialog.
+    fn with(scene: &str, settings: Settings, dialog: Dialog) -> Desk {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("two.scn");
         std::fs::write(&path, scene).unwrap();
@@ -109,13 +120,19 @@ impl Desk {
         std::fs::create_dir(&out).unwrap();
         let card = Card::default();
         let draw = move |ui: &mut egui::Ui, app: &mut Option<App>| {
-            let source = || Source::File(path.clone());
-            let app = app.get_or_insert_with(|| App::new(ui.ctx(), source(), 1, out.clone()));
+            let setup = || Setup {
+                source: Source::File(path.clone()),
+                threads: 1,
+                folder: out.clone(),
+                settings: settings.clone(),
+                dialog,
+            };
+            let app = app.get_or_insert_with(|| App::new(ui.ctx(), setup()));
             app.logic(ui.ctx());
             app.ui(ui);
         };
         let harness = Harness::builder()
-            .with_size([1280.0, 1200.0])
+            .with_size([1280.0, 1600.0])
             .renderer(card.clone())
             .build_ui_state(draw, None);
         Desk { harness, card, folder }

@@ -163,11 +163,87 @@ fn every_size_of_window_is_drawn() {
 
 #[test]
 fn the_pixel_under_the_pointer_is_told() {
-    let mut desk = Desk::done(2);
+    let mut desk = Desk::done(8);
     let at = desk.point([42.5, 24.5]);
     desk.harness.hover_at(at);
     desk.harness.run_ok();
     let hover = desk.app().canvas.hover.unwrap();
-    assert_eq!(hover.pixel, [42, 24]);
+    assert_eq!((hover.pixel, hover.passes), ([42, 24], 8));
     assert_eq!(hover.mean, desk.newest().mean().pixels[24 * 64 + 42]);
+    let error = desk.newest().standard_error().pixels[24 * 64 + 42];
+    assert_eq!(hover.standard_error, Some(error));
+    assert!(error[0] > 0.0, "{error:?}");
+    for line in crate::viewer::readout::lines(&hover) {
+        desk.harness.get_by_label(&line);
+    }
+    // It makes way for the pointer, and goes with it.
+    let place = |desk: &Desk| desk.harness.get_by_label_contains("RGB  ").rect();
+    let before = place(&desk);
+    desk.harness.set_size(vec2(1280.0, 720.0));
+    desk.harness.run_ok();
+    let corner = desk.point([0.5, 0.5]);
+    desk.harness.hover_at(corner);
+    desk.harness.run_ok();
+    assert!(place(&desk).min.x - before.min.x > 400.0);
+    desk.harness.hover_at(egui::pos2(1.0, 1.0));
+    desk.harness.run_ok();
+    assert!(desk.app().canvas.hover.is_none());
+    assert!(desk.harness.query_by_label_contains("RGB  ").is_none());
+}
+
+fn wheel(desk: &mut Desk, modifiers: Modifiers) {
+    desk.harness.event(Event::ModifiersChanged(modifiers));
+    desk.harness.event(Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Line,
+        delta: vec2(0.0, 3.0),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Unknown,
+        modifiers,
+    });
+    desk.harness.run_steps(10);
+    desk.harness.event(Event::ModifiersChanged(Modifiers::NONE));
+    desk.harness.run_ok();
+}
+
+#[test]
+fn the_picture_is_zoomed_about_the_pointer() {
+    let mut desk = Desk::done(2);
+    let camera = desk.doc().params.camera;
+    let at = desk.point([42.5, 24.5]);
+    desk.harness.hover_at(at);
+    desk.harness.step();
+    wheel(&mut desk, Modifiers::CTRL | Modifiers::COMMAND);
+    let zoomed = desk.app().canvas.hover.unwrap();
+    assert_eq!(zoomed.pixel, [42, 24], "the pixel under the pointer stays");
+    assert_eq!(desk.doc().params.camera, camera, "the picture is zoomed, not the camera moved");
+    desk.key(Key::Z);
+    desk.harness.run_ok();
+    assert_eq!(desk.app().canvas.hover.unwrap().pixel, [42, 24], "fitted again");
+}
+
+#[test]
+fn a_large_picture_is_given_its_tones_elsewhere_and_all_of_it_at_once() {
+    let mut desk = Desk::done(1);
+    desk.document(|d| d.params.size = [900, 700]);
+    desk.until("the large picture", |app| {
+        let newest = app.render.as_ref().unwrap().newest.as_ref().unwrap();
+        newest.grid.size == [900, 700] && newest.state == State::Done && app.canvas.is_settled()
+    });
+    let shown = |desk: &Desk| {
+        let textures = desk.card.0.borrow();
+        let mut large = textures.values().filter(|(w, p)| *w == 900 && p.len() == 900 * 700);
+        large.next().expect("not on the card").1.clone()
+    };
+    let codes = |desk: &Desk| -> Vec<Color32> {
+        let (mean, tone) = (desk.newest().mean(), desk.doc().tone);
+        mean.pixels
+            .iter()
+            .map(|&p| tone.exact(p))
+            .map(|[r, g, b]| Color32::from_rgb(r, g, b))
+            .collect()
+    };
+    assert!(shown(&desk) == codes(&desk));
+    desk.key(Key::E);
+    desk.until("the new exposure", |app| app.canvas.is_settled());
+    assert!(shown(&desk) == codes(&desk));
 }

@@ -1,0 +1,223 @@
+//! What the window remembers from one day to the next: how it looks and what it aims at, but
+//! nothing of a scene.
+
+use super::goal::{Goal, Stop};
+use super::recent::Recent;
+use burnish::picture::{Curve, Tone, replace_file};
+use egui::ThemePreference;
+use serde_json::{Map, Value, json};
+use std::fs;
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+
+/// All of it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Settings {
+    pub(super) theme: ThemePreference,
+    pub(super) tone: Tone,
+    pub(super) goal: Goal,
+    pub(super) recent: Recent,
+    /// Whether changed files are read again.
+    pub(super) watch: bool,
+    pub(super) place: Place,
+}
+
+/// Where the window is on the screen, in points.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Place {
+    /// Of its inside.
+    pub(super) size: Option<[f32; 2]>,
+    /// Of its upper left corner.
+    pub(super) position: Option<[f32; 2]>,
+}
+
+impl Default for Settings {
+    fn default() -> Settings {
+        Settings {
+            theme: ThemePreference::System,
+            tone: Tone::default(),
+            goal: Goal::default(),
+            recent: Recent::default(),
+            watch: true,
+            place: Place::default(),
+        }
+    }
+}
+
+/// Names in the file.
+const THEMES: [(ThemePreference, &str); 3] = [
+    (ThemePreference::System, "system"),
+    (ThemePreference::Dark, "dark"),
+    (ThemePreference::Light, "light"),
+];
+
+impl Settings {
+    /// Where they are kept; `None` where the system does not say.
+    pub(super) fn path() -> Option<PathBuf> {
+        let var = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+        let folder = if cfg!(windows) {
+            var("APPDATA")
+        } else if cfg!(target_os = "macos") {
+            var("HOME").map(|home| home.join("Library/Application Support"))
+        } else {
+            var("XDG_CONFIG_HOME").or_else(|| var("HOME").map(|home| home.join(".config")))
+        };
+        folder.filter(|f| f.is_absolute()).map(|f| f.join("burnish").join("window.json"))
+    }
+
+    /// What is in the file. What is missing in it, broken or out of range is as on the first day: no
+    /// file keeps the window from opening.
+    pub(super) fn read(path: &Path) -> Settings {
+        let text = fs::read_to_string(path).unwrap_or_default();
+        let Ok(Value::Object(file)) = serde_json::from_str(&text) else {
+            return Settings::default();
+        };
+        Settings::of(&file)
+    }
+
+    fn of(file: &Map<String, Value>) -> Settings {
+        let first = Settings::default();
+        let text = |name: &str| file.get(name).and_then(Value::as_str);
+        let number = |name: &str, [low, high]: [f64; 2]| {
+            file.get(name).and_then(Value::as_f64).filter(|x| (low..=high).contains(x))
+        };
+        let pair = |name: &str, [low, high]: [f32; 2]| {
+            let values = file.get(name)?.as_array()?.iter().map(|v| v.as_f64().map(|x| x as f32));
+            let pair: [f32; 2] = values.collect::<Option<Vec<f32>>>()?.try_into().ok()?;
+            pair.iter().all(|x| (low..=high).contains(x)).then_some(pair)
+        };
+        let theme = text("theme").and_then(|t| THEMES.iter().find(|(_, name)| *name == t));
+        let curve = text("curve").and_then(|t| Curve::ALL.into_iter().find(|c| c.name() == t));
+        let stop = text("stop").and_then(|t| Stop::ALL.into_iter().find(|s| s.title() == t));
+        let passes = file.get("passes").and_then(Value::as_u64);
+        let recent = file.get("recent").and_then(Value::as_array).into_iter().flatten();
+        Settings {
+            theme: theme.map_or(first.theme, |(theme, _)| *theme),
+            tone: Tone {
+                exposure: number("exposure", super::view::View::STOPS.map(f64::from))
+                    .map_or(first.tone.exposure, |x| x as f32),
+                curve: curve.unwrap_or(first.tone.curve),
+            },
+            goal: Goal {
+                stop: stop.unwrap_or(first.goal.stop),
+                passes: passes
+                    .filter(|p| (1..=Goal::PASSES).contains(p))
+                    .unwrap_or(first.goal.passes),
+                error: number("error", Goal::ERROR).unwrap_or(first.goal.error),
+                seconds: number("seconds", Goal::SECONDS).unwrap_or(first.goal.seconds),
+            },
+            recent: Recent::new(recent.filter_map(Value::as_str).map(PathBuf::from)),
+            watch: file.get("watch").and_then(Value::as_bool).unwrap_or(first.watch),
+            place: Place {
+                size: pair("size", [100.0, 32_768.0]),
+                position: pair("position", [-32_768.0, 32_768.0]),
+            },
+        }
+    }
+
+    fn text(&self) -> String {
+        let theme = THEMES.iter().find(|(t, _)| *t == self.theme).map(|(_, name)| *name);
+        // A path that is no Unicode is not remembered.
+        let recent: Vec<&str> = self.recent.paths().iter().filter_map(|p| p.to_str()).collect();
+        let value = json!({
+            "theme": theme,
+            "exposure": self.tone.exposure,
+            "curve": self.tone.curve.name(),
+            "stop": self.goal.stop.title(),
+            "passes": self.goal.passes,
+            "error": self.goal.error,
+            "seconds": self.goal.seconds,
+            "recent": recent,
+            "watch": self.watch,
+            "size": self.place.size,
+            "position": self.place.position,
+        });
+        format!("{value:#}\n")
+    }
+
+    /// Writes them, whole or not at all; makes the folder.
+    pub(super) fn write(&self, path: &Path) -> Result<(), String> {
+        let failed = |e: io::Error| format!("{}: {e}", path.display());
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder).map_err(failed)?;
+        }
+        let text = self.text();
+        replace_file(path, |file| file.write_all(text.as_bytes())).map_err(|e| e.to_string())
+    }
+
+    /// Forgets all.
+    pub(super) fn reset(path: &Path) -> Result<(), String> {
+        match fs::remove_file(path) {
+            Err(e) if e.kind() != ErrorKind::NotFound => Err(format!("{}: {e}", path.display())),
+            _ => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn changed() -> Settings {
+        Settings {
+            theme: ThemePreference::Light,
+            tone: Tone { exposure: -1.5, curve: Curve::Filmic },
+            goal: Goal { stop: Stop::Error, passes: 77, error: 0.02, seconds: 5.5 },
+            recent: Recent::new(["/a/b.scn".into(), "/c d.obj".into()]),
+            watch: false,
+            place: Place { size: Some([900.0, 700.5]), position: Some([-20.0, 30.0]) },
+        }
+    }
+
+    #[test]
+    fn what_is_written_is_read_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("new/folder/window.json");
+        assert_eq!(Settings::read(&path), Settings::default(), "there is none yet");
+        for settings in [changed(), Settings::default()] {
+            settings.write(&path).unwrap();
+            assert_eq!(Settings::read(&path), settings);
+        }
+        Settings::reset(&path).unwrap();
+        Settings::reset(&path).unwrap();
+        assert!(!path.exists());
+    }
+
+    #[test]
+    fn a_broken_file_is_as_the_first_day_and_a_broken_value_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("window.json");
+        for text in ["", "{", "[]", "null", "\u{0}\u{1}", "{\"theme\": 7, \"size\": [1]}"] {
+            fs::write(&path, text).unwrap();
+            assert_eq!(Settings::read(&path), Settings::default(), "{text:?}");
+        }
+        fs::write(&path, [0xff, 0xfe, 0x00]).unwrap();
+        assert_eq!(Settings::read(&path), Settings::default());
+        let whole: Value = serde_json::from_str(&changed().text()).unwrap();
+        for (name, bad) in [
+            ("exposure", json!(1e9)),
+            ("passes", json!(0)),
+            ("error", json!("small")),
+            ("seconds", json!(-1)),
+            ("recent", json!([1, null, "/a/b.scn", "/c d.obj"])),
+            ("size", json!([1, 2, 3])),
+            ("unknown", json!({})),
+        ] {
+            let mut file = whole.clone();
+            file[name] = bad;
+            let Value::Object(file) = file else { unreachable!() };
+            let read = Settings::of(&file);
+            let first = Settings::default();
+            let mut expected = changed();
+            match name {
+                "exposure" => expected.tone.exposure = first.tone.exposure,
+                "passes" => expected.goal.passes = first.goal.passes,
+                "error" => expected.goal.error = first.goal.error,
+                "seconds" => expected.goal.seconds = first.goal.seconds,
+                "size" => expected.place.size = None,
+                _ => {}
+            }
+            assert_eq!(read, expected, "{name}");
+        }
+    }
+}

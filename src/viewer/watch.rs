@@ -1,0 +1,118 @@
+//! Looks after the files of the open scene, and tells when they have changed.
+
+use egui::Context;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::time::{Duration, SystemTime};
+
+/// From one look to the next. A file is done with once two looks find it the same.
+const PERIOD: Duration = Duration::from_millis(250);
+
+/// A file and what its folder says of it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Stamp {
+    path: PathBuf,
+    /// When it was last written, and its length; `None` for a file that is not there.
+    state: Option<(SystemTime, u64)>,
+}
+
+impl Stamp {
+    pub(super) fn of(path: &Path) -> Stamp {
+        let state = fs::metadata(path).and_then(|m| Ok((m.modified()?, m.len()))).ok();
+        Stamp { path: path.to_path_buf(), state }
+    }
+}
+
+/// A thread that looks at files until this is dropped.
+pub(super) struct Watch {
+    changed: Receiver<()>,
+    /// The thread ends when its other end finds that this is gone.
+    _stop: Sender<()>,
+}
+
+impl Watch {
+    /// Begins to wait until the files differ from what they were. `None` without files, or where
+    /// no thread can be had: then F5 is left.
+    pub(super) fn start(ctx: &Context, known: Vec<Stamp>) -> Option<Watch> {
+        if known.is_empty() {
+            return None;
+        }
+        let (tell, changed) = channel();
+        let (_stop, stop) = channel();
+        let ctx = ctx.clone();
+        let look = move || {
+            look_after(known, &stop, || {
+                let heard = tell.send(()).is_ok();
+                ctx.request_repaint();
+                heard
+            });
+        };
+        std::thread::Builder::new().name("watch".to_owned()).spawn(look).ok()?;
+        Some(Watch { changed, _stop })
+    }
+
+    /// Whether the files have changed since this was last asked.
+    pub(super) fn poll(&self) -> bool {
+        self.changed.try_iter().count() > 0
+    }
+}
+
+/// Calls `tell` after each change, until it says that nobody listens, or the sender of `stop` is
+/// gone.
+fn look_after(mut known: Vec<Stamp>, stop: &Receiver<()>, tell: impl Fn() -> bool) {
+    let mut before = Vec::new();
+    while stop.recv_timeout(PERIOD) == Err(RecvTimeoutError::Timeout) {
+        let now: Vec<Stamp> = known.iter().map(|s| Stamp::of(&s.path)).collect();
+        if now != known && settled(&known, &before, &now) {
+            known.clone_from(&now);
+            if !tell() {
+                return;
+            }
+        }
+        before = now;
+    }
+}
+
+/// Whether nobody is at work on the files. Many editors write a new one and rename it over the old
+/// one, which for a moment is not there.
+fn settled(known: &[Stamp], before: &[Stamp], now: &[Stamp]) -> bool {
+    let gone = known.iter().zip(now).any(|(k, n)| k.state.is_some() && n.state.is_none());
+    before == now && !gone
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stamp(length: Option<u64>) -> Vec<Stamp> {
+        let state = length.map(|l| (SystemTime::UNIX_EPOCH, l));
+        vec![Stamp { path: "a.scn".into(), state }]
+    }
+
+    #[test]
+    fn a_file_that_grows_or_is_away_is_waited_for() {
+        let [old, half, whole, gone] = [Some(5), Some(2), Some(7), None].map(stamp);
+        assert!(!settled(&old, &old, &half), "just begun");
+        assert!(!settled(&old, &half, &whole), "still growing");
+        assert!(settled(&old, &whole, &whole));
+        assert!(!settled(&old, &gone, &gone), "being replaced");
+        assert!(settled(&gone, &whole, &whole), "it came");
+    }
+
+    #[test]
+    fn a_change_is_told_once_and_the_thread_ends() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.scn");
+        fs::write(&path, "one").unwrap();
+        let known = vec![Stamp::of(&path)];
+        let (stopper, stop) = channel::<()>();
+        let (tell, told) = channel();
+        let thread = std::thread::spawn(move || look_after(known, &stop, || tell.send(()).is_ok()));
+        fs::write(&path, "three").unwrap();
+        told.recv_timeout(Duration::from_secs(60)).unwrap();
+        drop(stopper);
+        thread.join().unwrap();
+        assert_eq!(told.try_iter().count(), 0);
+    }
+}
