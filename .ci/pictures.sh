@@ -26,10 +26,10 @@ done
 render 4096 --model beckmann --size 400x300 -o "$folder/{name}_{model}_4096.png"
 
 # Large.
-render 1024 --model ggx --size 1600x1200 -o "$folder/{name}_{model}_1600x1200.png"
+render 512 --model ggx --size 1600x1200 -o "$folder/{name}_{model}_1600x1200.png"
 
 # Every roughness with every model.
-render 1024 gallery --model all --size 640x360 -o "$folder/{name}_{model}.png"
+render 512 gallery --model all --size 640x360 -o "$folder/{name}_{model}.png"
 
 find "$folder" -name '*.png' -exec cat {} + | wc -c |
     awk '{ printf "%.1f MB of PNG files, of 12\n", $1 / 1e6; exit !($1 < 12e6) }'

@@ -2,7 +2,7 @@
 //! checks would find it.
 //!
 //! An [`Erratum`] is one mistake; everything else stays right. Mistakes of a formula are wrong
-//! [models](models): wrappers around a right one that override what is wrong, chosen by
+//! [models]: wrappers around a right one that override what is wrong, chosen by
 //! [`Model::visit_with`](super::Model::visit_with). Mistakes of the estimator are rules of the
 //! tracer. The list of both is kept here, next to the formulas it is mostly about.
 //!
