@@ -618,14 +618,14 @@ fn speed_against_error_is_a_table_a_sheet_and_a_plot() {
         assert!(text.contains(part), "{part} in {text}");
     }
     let rows = table(&fs::read_to_string(&csv).unwrap());
-    // Two repeats of GGX by six ways and Phong by three, at 1, 2 and 4 passes.
-    assert_eq!(rows.len(), 2 * 9 * 3);
+    // Two repeats of GGX by six ways and Phong by three, and both by the engine, at 1, 2 and 4 passes.
+    assert_eq!(rows.len(), 2 * (9 + 2) * 3);
     let number = |row: &HashMap<String, String>, name: &str| -> f64 {
         row[name].parse().unwrap_or_else(|_| panic!("{name} in {row:?}"))
     };
     for rows in rows.chunks_exact(3) {
         let same = |name: &str| rows.iter().all(|row| row[name] == rows[0][name]);
-        assert!(["model", "strategy", "normals", "repeat", "seed"].into_iter().all(same));
+        assert!(["model", "strategy", "normals", "tracer", "repeat", "seed"].into_iter().all(same));
         assert_eq!(number(&rows[0], "seed"), 3.0 + number(&rows[0], "repeat"));
         assert_eq!([0, 1, 2].map(|i| number(&rows[i], "passes")), [1.0, 2.0, 4.0]);
         for row in rows {

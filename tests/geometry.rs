@@ -7,8 +7,8 @@ use burnish::math::V3;
 use burnish::math::lanes::Isa;
 use burnish::scene::{Material, MaterialId, Mesh, Scene, SceneBuilder};
 use glam::{DAffine3, DVec3};
-use std::collections::HashMap;
 use support::Random;
+use support::ball;
 
 fn clay(b: &mut SceneBuilder) -> MaterialId {
     b.material(Material::reflecting("clay", [0.5; 3], [0.0; 3], 10.0).unwrap())
@@ -16,36 +16,6 @@ fn clay(b: &mut SceneBuilder) -> MaterialId {
 
 fn v3(p: DVec3) -> V3 {
     V3::from(p.as_vec3().to_array())
-}
-
-/// A sphere of triangles: an octahedron, each face split into four `levels` times.
-fn ball(levels: u32) -> Mesh {
-    let axes = [DVec3::X, DVec3::Y, DVec3::Z];
-    let mut positions: Vec<DVec3> = axes.iter().flat_map(|&a| [a, -a]).collect();
-    let mut triangles: Vec<[u32; 3]> = Vec::new();
-    for x in [0, 1] {
-        for y in [2, 3] {
-            for z in [4, 5] {
-                triangles.push([x, y, z]);
-            }
-        }
-    }
-    for _ in 0..levels {
-        let mut middles = HashMap::new();
-        let mut finer = Vec::new();
-        for [a, b, c] in triangles {
-            let mut middle = |i: u32, j: u32| {
-                *middles.entry((i.min(j), i.max(j))).or_insert_with(|| {
-                    positions.push((positions[i as usize] + positions[j as usize]).normalize());
-                    positions.len() as u32 - 1
-                })
-            };
-            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
-            finer.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
-        }
-        triangles = finer;
-    }
-    Mesh { positions, normals: vec![], triangles }
 }
 
 fn scene_of(mesh: &Mesh, placement: DAffine3) -> Scene {

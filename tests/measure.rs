@@ -355,7 +355,8 @@ fn measured(plan: &Plan, truth: &Truth) -> Experiment {
 }
 
 fn plan(base: Params, strategies: &[Strategy], passes: u64, repeats: u32) -> Plan {
-    let variants = Variant::all(&[Model::Ggx], strategies, &[Normals::Visible]);
+    let mut variants = Variant::all(&[Model::Ggx], strategies, &[Normals::Visible]);
+    variants.retain(|variant| !variant.engine);
     Plan { base, variants, passes, seconds: None, repeats, threads: 2 }
 }
 
@@ -436,16 +437,18 @@ fn a_reference_of_another_size_is_an_error() {
 #[test]
 fn variants_are_distinct() {
     let all = Variant::all(&Model::ALL, &Strategy::ALL, &Normals::ALL);
-    assert_eq!(all.len(), 15);
+    assert_eq!(all.len(), 18);
+    assert_eq!(all.iter().filter(|v| v.engine).count(), 3);
     let mut titles: Vec<String> = all.iter().map(|v| v.title()).collect();
     titles.sort();
     titles.dedup();
-    assert_eq!(titles.len(), 15);
+    assert_eq!(titles.len(), 18);
     let base = furnace().with_roughness(Roughness::from_alpha(0.3).unwrap());
     for variant in all {
         let params = variant.params(&base);
         assert_eq!((params.model, params.strategy), (variant.model, variant.strategy));
         assert_eq!((params.normals, params.seed), (variant.normals, base.seed));
+        assert_eq!(params.reference, !variant.engine);
     }
 }
 

@@ -95,7 +95,8 @@ fn describe_picture(path: &Path, recipe: &Recipe) -> Result<(), Failure> {
     if let Some(tone) = &recipe.tone {
         line("tone", format_args!("{}, exposure {} EV", tone.curve, tone.exposure))?;
     }
-    line("traversal", &recipe.isa)?;
+    let tracer = if recipe.reference { "reference, " } else { "" };
+    line("tracer", format_args!("{tracer}{}", recipe.isa))?;
     line("again", again(path, recipe))
 }
 

@@ -97,6 +97,10 @@ pub(super) struct Args {
     /// the picture is wrong on purpose. `burnish report --errata` measures them all.
     #[arg(long, value_name = "NAME", value_parser = values::erratum())]
     erratum: Option<Erratum>,
+    /// Traces one path at a time with the tracer that is written to be read, not with the engine. The
+    /// random numbers are the same; other strategies, normals and errata are always traced so.
+    #[arg(long)]
+    reference: bool,
     /// Exposure of PNG files in stops, -30 to 30.
     #[arg(long, value_name = "EV", default_value = "0",
           value_parser = values::exposure)]
@@ -197,6 +201,7 @@ impl Args {
         params.strategy = self.strategy;
         params.normals = self.normals;
         params.erratum = self.erratum;
+        params.reference = self.reference;
         params.size = self.size.unwrap_or(params.size);
         params.camera = self.camera.unwrap_or(params.camera);
         match self.alpha.or(self.exponent) {

@@ -32,6 +32,9 @@ pub struct Params {
     pub normals: Normals,
     /// A mistake made on purpose, to see what it does.
     pub erratum: Option<Erratum>,
+    /// Trace one path at a time with the reference tracer, even where the engine could. Other
+    /// strategies, other normals and mistakes are its work anyway.
+    pub reference: bool,
 }
 
 /// Parameters that cannot be rendered.
@@ -87,6 +90,7 @@ impl Params {
             strategy: Strategy::Mis,
             normals: Normals::Visible,
             erratum: None,
+            reference: false,
             scene,
         }
     }
@@ -101,7 +105,8 @@ impl Params {
 
     /// How light is sampled.
     pub fn method(&self) -> Method {
-        Method { strategy: self.strategy, normals: self.normals, erratum: self.erratum }
+        let Params { strategy, normals, erratum, reference, .. } = *self;
+        Method { strategy, normals, erratum, reference }
     }
 
     /// What traces a sample of any pixel and pass of these.

@@ -63,6 +63,9 @@ pub struct Recipe {
     pub normals: String,
     /// The mistake made on purpose.
     pub erratum: Option<String>,
+    /// Whether the reference tracer was asked for.
+    #[serde(default)]
+    pub reference: bool,
     /// Which of the independent pictures.
     pub seed: u64,
     /// Most scattering events.
@@ -202,6 +205,7 @@ impl Recipe {
             strategy: params.strategy.name().to_owned(),
             normals: params.normals.name().to_owned(),
             erratum: params.erratum.map(Erratum::name).map(str::to_owned),
+            reference: params.reference,
             seed: params.seed,
             max_depth: params.max_depth,
             passes: snapshot.passes,
@@ -277,6 +281,9 @@ impl Recipe {
         if let Some(tone) = &self.tone {
             add("exposure", tone.exposure.to_string());
             add("tone", tone.curve.clone());
+        }
+        if self.reference {
+            all.push("--reference".to_owned());
         }
         all
     }

@@ -62,22 +62,22 @@ impl Strategy {
     /// Weight of a light met by a direction of density `pdf`, which asking would have found with
     /// density `other`.
     #[inline(always)]
-    fn met<L: Lane>(self, pdf: L, other: L) -> L {
+    fn met(self, pdf: f32, other: f32) -> f32 {
         match self {
             Strategy::Mis => power_heuristic(pdf, other),
-            Strategy::LightOnly => L::splat(0.0),
-            Strategy::BsdfOnly => L::splat(1.0),
+            Strategy::LightOnly => 0.0,
+            Strategy::BsdfOnly => 1.0,
         }
     }
 
     /// Weight of a light asked with density `pdf`, which sampling the BRDF would have met with
     /// density `other`.
     #[inline(always)]
-    fn asked<L: Lane>(self, pdf: L, other: L) -> L {
+    fn asked(self, pdf: f32, other: f32) -> f32 {
         match self {
             Strategy::Mis => power_heuristic(pdf, other),
-            Strategy::LightOnly => L::splat(1.0),
-            Strategy::BsdfOnly => L::splat(0.0),
+            Strategy::LightOnly => 1.0,
+            Strategy::BsdfOnly => 0.0,
         }
     }
 }
@@ -92,9 +92,9 @@ fn power_heuristic<L: Lane>(a: L, b: L) -> L {
 
 /// How light is sampled, and with which mistake if any.
 ///
-/// The plain method, normals visible and no mistake, runs at full speed. Everything else but the
-/// strategy is for comparison: it runs through a second, slower copy of the same tracer, so that
-/// the first need not ask at every step.
+/// The engine has one method: light is found in both ways, normals are visible, nothing is wrong.
+/// Everything else is for comparison and runs through the reference tracer, one path at a time, so
+/// that the engine need not ask at every step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Method {
     /// How light is found.
@@ -103,14 +103,21 @@ pub struct Method {
     pub normals: Normals,
     /// A mistake made on purpose.
     pub erratum: Option<Erratum>,
+    /// One path at a time, whatever the method.
+    pub reference: bool,
 }
 
 impl Method {
-    /// Whether this is the right tracer with visible normals. An erratum about another model is
+    /// Whether the reference tracer makes no exception for it. An erratum about another model is
     /// none, and Phong has one way to draw normals only.
-    fn is_plain(&self, model: Model) -> bool {
+    fn is_right(&self, model: Model) -> bool {
         let normals = self.normals == Normals::Visible || model == Model::Phong;
         normals && !self.erratum.is_some_and(|e| e.concerns(model))
+    }
+
+    /// Whether it is what the engine does.
+    fn is_the_engines(&self, model: Model) -> bool {
+        self.is_right(model) && self.strategy == Strategy::Mis && !self.reference
     }
 }
 

@@ -4,7 +4,7 @@ use super::errata::Wrong;
 use super::light::{End, LightSample};
 use super::rules::{Right, Rules};
 use super::{DEPTH_CAP, Scratch, Tracer, roulette};
-use crate::brdf::{Microfacet, Model};
+use crate::brdf::Microfacet;
 use crate::geometry::{Ray, SurfacePoint, offset_origin};
 use crate::math::lanes::U32;
 use crate::math::sequence::{Slot, Stream, pair};
@@ -49,28 +49,28 @@ impl Tracer {
     /// top. The same arguments give the same bits, always.
     pub fn sample<M: Microfacet>(&self, x: u32, y: u32, pass: u64, scratch: &mut Scratch) -> Rgb {
         let mut radiance = Rgb::BLACK;
-        let (pixels, each) = (&mut [[x, y]].into_iter(), &mut |found| radiance = found);
-        if self.method.is_plain(M::MODEL) {
-            let rules = Right::<M>::default();
-            Pixels { tracer: self, pixels, pass, scratch, each, rules }.run();
-        } else {
-            self.sample_each_otherwise(M::MODEL, pixels, pass, scratch, each);
-        }
+        let each = &mut |found| radiance = found;
+        self.sample_one_by_one::<M>(&mut [[x, y]].into_iter(), pass, scratch, each);
         radiance
     }
 
-    /// [`Tracer::sample`] of one pixel after the other, with other normals than the visible ones or
-    /// with a mistake: compiled once for all of them.
-    pub(super) fn sample_each_otherwise(
+    /// [`Tracer::sample`] of one pixel after the other. What is not the right tracer with visible
+    /// normals is compiled once for all models.
+    pub(super) fn sample_one_by_one<M: Microfacet>(
         &self,
-        model: Model,
         pixels: &mut dyn Iterator<Item = [u32; 2]>,
         pass: u64,
         scratch: &mut Scratch,
         each: &mut dyn FnMut(Rgb),
     ) {
-        let rules = Wrong::new(self, model);
-        Pixels { tracer: self, pixels, pass, scratch, each, rules }.run()
+        let tracer = self;
+        if self.method.is_right(M::MODEL) {
+            let rules = Right::<M>::default();
+            Pixels { tracer, pixels, pass, scratch, each, rules }.run();
+        } else {
+            let rules = Wrong::new(self, M::MODEL);
+            Pixels { tracer, pixels, pass, scratch, each, rules }.run();
+        }
     }
 
     #[inline(always)]

@@ -1,6 +1,9 @@
 //! Oracles for the tests: slow, plain, and independent of the code under test.
 #![allow(dead_code, missing_docs, unreachable_pub)] // each test file uses its own part
 
+use burnish::scene::Mesh;
+use glam::DVec3;
+use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 /// A small generator for test inputs (PCG, O'Neill 2014), unrelated to the renderer's streams.
@@ -124,4 +127,34 @@ pub fn erfc(x: f64) -> f64 {
         sum += term / (2 * n + 1) as f64;
     }
     1.0 - sum * 2.0 / std::f64::consts::PI.sqrt()
+}
+
+/// A sphere of triangles: an octahedron, each face split into four `levels` times.
+pub fn ball(levels: u32) -> Mesh {
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+    let mut positions: Vec<DVec3> = axes.iter().flat_map(|&a| [a, -a]).collect();
+    let mut triangles: Vec<[u32; 3]> = Vec::new();
+    for x in [0, 1] {
+        for y in [2, 3] {
+            for z in [4, 5] {
+                triangles.push([x, y, z]);
+            }
+        }
+    }
+    for _ in 0..levels {
+        let mut middles = HashMap::new();
+        let mut finer = Vec::new();
+        for [a, b, c] in triangles {
+            let mut middle = |i: u32, j: u32| {
+                *middles.entry((i.min(j), i.max(j))).or_insert_with(|| {
+                    positions.push((positions[i as usize] + positions[j as usize]).normalize());
+                    positions.len() as u32 - 1
+                })
+            };
+            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+            finer.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+        }
+        triangles = finer;
+    }
+    Mesh { positions, normals: vec![], triangles }
 }

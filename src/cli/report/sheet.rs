@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// Columns before and after those of the measures. FLIP is known in the last row of a curve alone;
 /// the memory is that of the whole program when the scene was done.
-const BEFORE: [&str; 13] = [
+const BEFORE: [&str; 14] = [
     "scene",
     "width",
     "height",
@@ -18,6 +18,7 @@ const BEFORE: [&str; 13] = [
     "model",
     "strategy",
     "normals",
+    "tracer",
     "repeat",
     "seed",
     "passes",
@@ -56,6 +57,7 @@ fn rows<W: io::Write>(measured: &Measured, table: &mut csv::Writer<W>) -> io::Re
                 run.variant.model.name().into(),
                 run.variant.strategy.name().into(),
                 run.variant.normals.name().into(),
+                if run.variant.engine { "engine" } else { "reference" }.into(),
                 run.repeat.to_string(),
                 run.seed.to_string(),
                 point.passes.to_string(),

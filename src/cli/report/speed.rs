@@ -162,10 +162,11 @@ fn panel(measured: &Measured) -> Panel {
     let [width, height] = plan.base.size;
     let threads = values::worker_count(plan.threads);
     let curve = |summary: &Summary| {
-        let Variant { model, strategy, normals } = summary.variant;
+        let Variant { model, strategy, normals, engine } = summary.variant;
+        let of_strategy = Strategy::ALL.iter().position(|s| *s == strategy).unwrap_or(0);
         Curve {
             label: summary.variant.title(),
-            colour: Strategy::ALL.iter().position(|s| *s == strategy).unwrap_or(0),
+            colour: if engine { Strategy::ALL.len() } else { of_strategy },
             mark: Model::ALL.iter().position(|m| *m == model).unwrap_or(0),
             dashed: normals != Normals::Visible,
             dots: summary.checkpoints.iter().map(dot).collect(),

@@ -30,9 +30,12 @@ pub struct Variant {
     pub model: Model,
     /// How light is found.
     pub strategy: Strategy,
-    /// How microfacet normals are drawn. From the whole distribution they are drawn by a slower
-    /// copy of the tracer: errors after equal passes compare, seconds do not.
+    /// How microfacet normals are drawn.
     pub normals: Normals,
+    /// Whether by the engine, which has one method: both ways to find light, visible normals. All
+    /// others are traced by the reference, and so is the engine's own once more, so that their
+    /// seconds compare.
+    pub engine: bool,
 }
 
 impl Variant {
@@ -41,9 +44,14 @@ impl Variant {
     pub fn all(models: &[Model], strategies: &[Strategy], normals: &[Normals]) -> Vec<Variant> {
         let mut all = Vec::new();
         for &model in models {
+            let (strategy, visible) = (Strategy::Mis, Normals::Visible);
+            let is_engines = model == Model::Phong || normals.contains(&visible);
+            if is_engines && strategies.contains(&strategy) {
+                all.push(Variant { model, strategy, normals: visible, engine: true });
+            }
             let known = if model == Model::Phong { &[Normals::Visible] } else { normals };
             for &normals in known {
-                let variant = |&strategy| Variant { model, strategy, normals };
+                let variant = |&strategy| Variant { model, strategy, normals, engine: false };
                 all.extend(strategies.iter().map(variant));
             }
         }
@@ -52,12 +60,15 @@ impl Variant {
 
     /// The parameters of a render in this way, all else being as in `base`.
     pub fn params(self, base: &Params) -> Params {
-        let Variant { model, strategy, normals } = self;
-        Params { model, strategy, normals, ..base.clone() }
+        let Variant { model, strategy, normals, engine } = self;
+        Params { model, strategy, normals, reference: !engine, ..base.clone() }
     }
 
-    /// As a person writes it: "GGX, light only", "GGX, MIS, all normals".
+    /// As a person writes it: "GGX, engine", "GGX, light only", "GGX, MIS, all normals".
     pub fn title(self) -> String {
+        if self.engine {
+            return format!("{}, engine", self.model.title());
+        }
         let strategy = match self.strategy {
             Strategy::Mis => "MIS",
             Strategy::LightOnly => "light only",
@@ -228,7 +239,7 @@ impl Plan {
                 Truth::Rendered { passes } => {
                     watch(Stage::Reference(model));
                     let (strategy, normals) = (Strategy::Mis, Normals::Visible);
-                    let best = Variant { model, strategy, normals };
+                    let best = Variant { model, strategy, normals, engine: true };
                     let half = |place: u64| {
                         // Repeats count up from the base's seed and do not come this far.
                         let seed = self.base.seed ^ place << 62;

@@ -93,8 +93,8 @@ impl Tracer {
         scratch: &mut Scratch,
         each: &mut dyn FnMut(Rgb),
     ) {
-        if !self.method.is_plain(M::MODEL) {
-            return self.sample_each_otherwise(M::MODEL, pixels, pass, scratch, each);
+        if !self.method.is_the_engines(M::MODEL) {
+            return self.sample_one_by_one::<M>(pixels, pass, scratch, each);
         }
         loop {
             // Columns and rows lie where the slots and keys will be.

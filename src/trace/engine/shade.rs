@@ -6,7 +6,7 @@ use crate::geometry::{SurfacePoint, offset_origin};
 use crate::math::lanes::{Lane, Mask, Packet};
 use crate::math::sequence::{Slot, Stream, pair, unit};
 use crate::math::{Frame, Rgb, V3};
-use crate::trace::{Strategy, Tracer, roulette};
+use crate::trace::{Tracer, power_heuristic, roulette};
 
 impl Tracer {
     /// One scattering event of `count` paths: adds the light that they met, prepares the rays
@@ -25,7 +25,7 @@ impl Tracer {
         let zero = P::splat(0.0);
         let geometry = self.scene.geometry();
         let Tables { materials, lights } = &self.tables;
-        let asks = !lights.is_empty() && self.method.strategy != Strategy::BsdfOnly;
+        let asks = !lights.is_empty();
         let mut going = 0;
         bundle.shadows.count = 0;
         for at in (0..count).step_by(P::WIDTH) {
@@ -72,7 +72,7 @@ impl Tracer {
                 let asked = go & light.found & above;
                 if asked.any() {
                     let e = view.eval::<M>(wi);
-                    let weight = self.method.strategy.asked(light.pdf, e.pdf);
+                    let weight = power_heuristic(light.pdf, e.pdf);
                     let found = light.radiance * e.f * (M::cosine(wi.z) / light.pdf * weight);
                     let asked = asked & !is_black(found);
                     let shadows = &mut bundle.shadows;
@@ -138,7 +138,7 @@ impl Tracer {
         let mut light = beta * environment.splat_lanes();
         if event > 0 {
             let other = self.tables.lights.environment_pdf(bundle.paths.cos.load::<P>(at));
-            light = light * self.method.strategy.met(bundle.paths.pdf.load::<P>(at), other);
+            light = light * power_heuristic(bundle.paths.pdf.load::<P>(at), other);
         }
         bundle.add::<P>(at, missed.bits(), light);
     }
@@ -163,8 +163,7 @@ impl Tracer {
                 let (primitive, t) = (bundle.met.primitive.0[at + lane], bundle.met.t.0[at + lane]);
                 other[lane] = self.tables.lights.pdf(from, primitive, t, cosine[lane]);
             }
-            light =
-                light * self.method.strategy.met(bundle.paths.pdf.load::<P>(at), P::load(&other));
+            light = light * power_heuristic(bundle.paths.pdf.load::<P>(at), P::load(&other));
         }
         bundle.add::<P>(at, lanes, light);
     }
