@@ -9,6 +9,7 @@ use crate::math::Rgb;
 use crate::trace::{Scratch, Tracer};
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -20,6 +21,8 @@ const BATCH: u64 = 16;
 const PREVIEW_PATHS: u64 = 8192;
 /// The preview is refined by this factor in each direction until a pass is no finer.
 const PREVIEW_STEP: u32 = 4;
+/// Tiles of a preview that one worker does at a time: together they fill a bundle of paths.
+const TOGETHER: usize = 16;
 
 /// What a driver is to do next.
 pub(super) enum Work {
@@ -186,21 +189,17 @@ impl Workers {
         }
         while block > 1 && self.shared.goes_on(epoch.number) {
             let finished = AtomicBool::new(true);
+            let starts: Vec<usize> = (0..films.len()).step_by(TOGETHER).collect();
             self.pool.install(|| {
-                (0..films.len()).into_par_iter().with_max_len(8).for_each_init(
+                starts.into_par_iter().with_max_len(1).for_each_init(
                     || epoch.tracer.scratch(),
-                    |scratch, index| {
+                    |scratch, start| {
                         if !self.shared.goes_on(epoch.number) {
                             finished.store(false, Ordering::Relaxed);
                             return;
                         }
-                        let rect = epoch.grid.rect(index);
-                        let tracer = &epoch.tracer;
-                        let mean =
-                            epoch.params.model.visit(Blocks { tracer, rect, block, scratch });
-                        let (passes, standard_error) = (0, Vec::new());
-                        let image = TileImage { passes, mean, standard_error, block };
-                        epoch.show(index, image, ErrorSums::default());
+                        let tiles = start..(start + TOGETHER).min(films.len());
+                        preview_tiles(epoch, tiles, block, scratch);
                     },
                 )
             });
@@ -356,32 +355,53 @@ impl ModelVisitor for TilePass<'_> {
     }
 }
 
-/// A tile in blocks, each the colour of its middle pixel's first sample.
-struct Blocks<'a> {
+/// Tiles in blocks, each the colour of its middle pixel's first sample.
+fn preview_tiles(epoch: &Epoch, tiles: Range<usize>, block: u32, scratch: &mut Scratch) {
+    let rects: Vec<TileRect> = tiles.clone().map(|index| epoch.grid.rect(index)).collect();
+    let middles: Vec<[u32; 2]> =
+        rects.iter().flat_map(|r| blocks(*r, block)).map(|b| b.1).collect();
+    let first = FirstSamples { tracer: &epoch.tracer, pixels: &middles, scratch };
+    let mut colours = epoch.params.model.visit(first).into_iter();
+    for (index, rect) in tiles.zip(rects) {
+        let mut mean = vec![[0.0; 3]; rect.area()];
+        for ([left, top], _) in blocks(rect, block) {
+            let colour = colours.next().filter(|c| c.is_finite()).unwrap_or(Rgb::BLACK);
+            for row in top..(top + block).min(rect.y1) {
+                let start = (row - rect.y0) as usize * rect.width() + (left - rect.x0) as usize;
+                let end = start + block.min(rect.x1 - left) as usize;
+                mean[start..end].fill(colour.into());
+            }
+        }
+        let image = TileImage { passes: 0, mean, standard_error: Vec::new(), block };
+        epoch.show(index, image, ErrorSums::default());
+    }
+}
+
+/// Corner and middle pixel of each block of a tile.
+fn blocks(rect: TileRect, block: u32) -> impl Iterator<Item = ([u32; 2], [u32; 2])> {
+    let TileRect { x0, y0, x1, y1 } = rect;
+    (y0..y1).step_by(block as usize).flat_map(move |top| {
+        (x0..x1).step_by(block as usize).map(move |left| {
+            let x = (left + block / 2).min(x1 - 1);
+            let y = (top + block / 2).min(y1 - 1);
+            ([left, top], [x, y])
+        })
+    })
+}
+
+/// The first sample of some pixels.
+struct FirstSamples<'a> {
     tracer: &'a Tracer,
-    rect: TileRect,
-    block: u32,
+    pixels: &'a [[u32; 2]],
     scratch: &'a mut Scratch,
 }
 
-impl ModelVisitor for Blocks<'_> {
-    type Output = Vec<[f32; 3]>;
-    fn visit<M: Microfacet>(self) -> Vec<[f32; 3]> {
-        let TileRect { x0, y0, x1, y1 } = self.rect;
-        let mut pixels = vec![[0.0; 3]; self.rect.area()];
-        for top in (y0..y1).step_by(self.block as usize) {
-            for left in (x0..x1).step_by(self.block as usize) {
-                let x = (left + self.block / 2).min(x1 - 1);
-                let y = (top + self.block / 2).min(y1 - 1);
-                let sample = self.tracer.sample::<M>(x, y, 0, self.scratch);
-                let colour = if sample.is_finite() { sample } else { Rgb::BLACK };
-                for row in top..(top + self.block).min(y1) {
-                    let start = (row - y0) as usize * self.rect.width() + (left - x0) as usize;
-                    let end = start + self.block.min(x1 - left) as usize;
-                    pixels[start..end].fill(colour.into());
-                }
-            }
-        }
-        pixels
+impl ModelVisitor for FirstSamples<'_> {
+    type Output = Vec<Rgb>;
+    fn visit<M: Microfacet>(self) -> Vec<Rgb> {
+        let mut found = Vec::with_capacity(self.pixels.len());
+        let pixels = &mut self.pixels.iter().copied();
+        self.tracer.sample_each::<M>(pixels, 0, self.scratch, &mut |sample| found.push(sample));
+        found
     }
 }

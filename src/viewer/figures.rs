@@ -13,10 +13,15 @@ pub(super) fn digits(value: f64, significant: usize) -> String {
     format!("{value:.decimals$}")
 }
 
-/// A part of one: 23 %, 1.81 %.
+/// A part of one: 23.4 %, 1.81 %.
 pub(super) fn percent(relative: f64) -> String {
     let percent = relative * 100.0;
-    if percent >= 10.0 { format!("{percent:.0} %") } else { format!("{percent:.2} %") }
+    let decimals = match percent {
+        p if p >= 100.0 => 0,
+        p if p >= 10.0 => 1,
+        _ => 2,
+    };
+    format!("{percent:.decimals$} %")
 }
 
 /// A rate: 812, 45.1 k, 5.13 M.
@@ -67,6 +72,7 @@ mod tests {
     #[test]
     fn rates_and_errors_are_short() {
         assert_eq!([812.4, 45_120.0, 5.126e6].map(short), ["812", "45.1 k", "5.13 M"]);
-        assert_eq!([0.0181, 0.234, 0.0].map(percent), ["1.81 %", "23 %", "0.00 %"]);
+        let found = [0.0181, 0.234, 0.0, 1.5].map(percent);
+        assert_eq!(found, ["1.81 %", "23.4 %", "0.00 %", "150 %"]);
     }
 }

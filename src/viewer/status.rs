@@ -89,7 +89,7 @@ fn progress(ui: &mut Ui, document: &Document, facts: &Facts) {
     let latency = facts.latency.map_or("-".to_owned(), |l| format!("{:.0}", l.as_secs_f64() * 1e3));
     let figures = [
         (
-            format!("rel. error {error:<20}"),
+            format!("rel. error {error:<23}"),
             "sqrt(mean((x - r)\u{b2} / (r\u{b2} + 0.01))) over pixels and channels, r being the truth, \
              with its 95 % limits, estimated from independent replicates. \"-\" until they allow an \
              estimate, \"?\" while it can't be relied on: under 16 passes, or a handful of pixels \

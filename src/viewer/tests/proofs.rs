@@ -59,7 +59,7 @@ fn the_lobe_s_loss_stands_by_the_slider() {
     desk.until_drawn("The lobe loses 2.84 %");
     desk.click("Phong");
     desk.type_into("a_p", "2");
-    desk.until_drawn("The lobe loses 23 %, gains 18 % at grazing");
+    desk.until_drawn("The lobe loses 22.7 %, gains 17.9 % at grazing");
 }
 
 #[test]
