@@ -350,7 +350,10 @@ fn shares(powers: &[f64]) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Ray;
     use crate::math::lanes::U32;
+    use crate::scene::SceneBuilder;
+    use glam::DVec3;
 
     #[test]
     fn shares_are_all_numbers_and_follow_the_powers() {
@@ -376,6 +379,62 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// Whether a light is asked for or met by chance, its density is one number.
+    #[test]
+    fn asked_and_met_have_one_density() {
+        let mut b = SceneBuilder::new("lamps");
+        let lamp = |b: &mut SceneBuilder, x: f64| {
+            b.material(Material::light("lamp", [x, 2.0 * x, 0.5]).unwrap())
+        };
+        let (dim, bright) = (lamp(&mut b, 0.5), lamp(&mut b, 3.0));
+        b.cuboid(DVec3::new(-3.0, 1.0, 2.0), DVec3::new(1.0, 0.5, 0.1), dim).unwrap();
+        b.cuboid(DVec3::new(2.0, -1.0, 1.0), DVec3::new(0.2, 0.4, 0.3), bright).unwrap();
+        b.sphere(DVec3::new(0.0, 2.0, 3.0), 0.6, bright).unwrap();
+        b.cylinder(DVec3::new(0.0, -2.0, 2.0), DVec3::new(0.3, 0.0, 0.8), 0.3, dim).unwrap();
+        b.environment = [0.1; 3];
+        let scene = b.build();
+        let (geometry, bvh) = (scene.geometry(), scene.bvh());
+        let table = LightTable::new(&scene, scene.materials());
+        let mut stack = bvh.stack();
+        // Local units are not the scene's: any point between the lamps will do.
+        let p = V3::new(0.05, -0.1, -0.6);
+        let n = V3::new(0.0, 0.0, 1.0);
+        let from = SurfacePoint { p, ng: n, ns: n, error: V3::splat(1e-7) };
+        let (mut met, mut beyond) = (0, 0);
+        for i in 1..6000u32 {
+            let part = |a: f64| (a * f64::from(i)).fract();
+            let choice = U32((part(0.618_033_988_7) * RANGE) as u32);
+            let u = [part(0.754_877_666_2) as f32, part(0.569_840_290_9) as f32];
+            let asked = table.sample::<f32>(geometry, &from, &Frame::around(n), choice, u);
+            if !asked.found {
+                continue;
+            }
+            let ray = Ray { o: asked.o, d: asked.wi };
+            let Some(hit) = bvh.closest(geometry, &ray, f32::INFINITY, &mut stack) else {
+                if asked.t_max == f32::INFINITY {
+                    let density = table.environment_pdf(asked.wi.z);
+                    assert!((density / asked.pdf - 1.0).abs() < 1e-5);
+                    beyond += 1;
+                }
+                continue;
+            };
+            let surface = geometry.surface(&ray, &hit);
+            let cos = surface.ng.dot(asked.wi).abs();
+            let density = table.pdf(p, hit.primitive, hit.t, cos);
+            // Another light may stand before the one that was asked.
+            let asked_here = {
+                let end = asked.o + asked.d * asked.t_max.min(1e3);
+                (end - surface.p).length() < 5e-6
+            };
+            if asked_here && cos > 0.01 {
+                let ratio = density / asked.pdf;
+                assert!((ratio - 1.0).abs() < 2e-3, "{ratio} {hit:?} {}", asked.wi.z);
+                met += 1;
+            }
+        }
+        assert!(met > 1500 && beyond > 1500, "{met} {beyond}");
     }
 
     /// Few lights are counted through, many searched: both find the light in whose share a number
