@@ -24,7 +24,7 @@ pub(super) struct Args {
           value_parser = chosen(Strategy::ALL, Strategy::name))]
     strategy: Chosen<Strategy>,
     /// How Beckmann's and GGX's microfacet normals are drawn: all, visible, or distribution, which
-    /// a slower copy of the tracer does.
+    /// the reference tracer does.
     #[arg(long, value_name = "NORMALS", default_value = "visible",
           value_parser = chosen(Normals::ALL, Normals::name))]
     normals: Chosen<Normals>,

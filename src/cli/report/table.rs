@@ -114,7 +114,7 @@ pub(super) fn legend() -> String {
     );
     line("mean error", "of the mean of all repeats, +- the 95 % Student interval of their spread");
     line("seconds", "of tracing alone; the repeats have seeds of their own");
-    line("all normals", "drawn by a slower copy of the tracer: compare passes, not seconds");
+    line("engine", "many paths at a time; all others by the reference tracer, one path at a time");
     text.trim_end().to_owned()
 }
 
