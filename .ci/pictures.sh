@@ -1,5 +1,6 @@
 #!/bin/sh
-# Makes the pictures of screenshots/ but the window's and the plot. What they are: README.md there.
+# Makes the pictures of screenshots/ but the plot. What they are: README.md there. Those of the window
+# need xvfb, xdotool, imagemagick and a software OpenGL; WINDOW=no leaves them out.
 #
 #   .ci/pictures.sh [BURNISH]
 #
@@ -30,6 +31,16 @@ render 512 --model ggx --size 1600x1200 -o "$folder/{name}_{model}_1600x1200.png
 
 # Every roughness with every model.
 render 512 gallery --model all --size 640x360 -o "$folder/{name}_{model}.png"
+
+# The window itself, and a sheet of what it shows while it is driven.
+if [ "${WINDOW:-yes}" = yes ]; then
+    .ci/window-pictures.sh "$burnish" "$folder"
+    tour=$(mktemp -d)
+    trap 'rm -rf "$tour"' EXIT
+    .ci/window-tour.sh "$burnish" "$tour"
+    montage -label "%t" "$tour"/*.png -tile 4x -geometry 400x225+4+4 -colors 256 +dither \
+        "png8:$folder/window_tour.png"
+fi
 
 find "$folder" -name '*.png' -exec cat {} + | wc -c |
     awk '{ printf "%.1f MB of PNG files, of 12\n", $1 / 1e6; exit !($1 < 12e6) }'
