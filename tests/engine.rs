@@ -108,7 +108,7 @@ fn near(a: Rgb, b: Rgb) -> bool {
 }
 
 /// The same random numbers and the same decisions: nearly every sample is the same but for the
-/// order of its sums. Where rounding has turned a decision, it has turned it without a bias.
+/// order of its sums. Where rounding has turned a decision (in less than one of 500), it has done so without a bias.
 #[test]
 fn the_engine_finds_what_the_reference_finds() {
     let size = [48, 36];
@@ -134,7 +134,7 @@ fn the_engine_finds_what_the_reference_finds() {
                 }
             }
             let name = format!("{} {isa:?} {model:?}", params.scene.name());
-            assert!(same * 100 >= all * 97, "{name}: {same} of {all} are the same");
+            assert!(same * 1000 >= all * 998, "{name}: {same} of {all} are the same");
             assert!(
                 difference.mean.abs() <= 4.0 * difference.standard_error() + 1e-6,
                 "{name}: {} +- {}",

@@ -303,7 +303,7 @@ impl Bvh {
                 return true;
             }
         }
-        self.occluded_but_plates::<W>(geometry, ray, t_max, stack)
+        self.occluded_in_tree::<W>(geometry, ray, &sheared, t_max, stack)
     }
 
     /// [`Bvh::occluded_with`] by what is not a plate.
@@ -315,11 +315,21 @@ impl Bvh {
         t_max: f32,
         stack: &mut Stack,
     ) -> bool {
-        let Some(root) = self.root else { return false };
-        if !is_traceable(ray) {
-            return false;
-        }
         let sheared = Sheared::new(ray.o, ray.d);
+        is_traceable(ray) && self.occluded_in_tree::<W>(geometry, ray, &sheared, t_max, stack)
+    }
+
+    /// Whether what the tree holds is hit at `0 < t <= t_max`.
+    #[inline(always)]
+    fn occluded_in_tree<W: Wide>(
+        &self,
+        geometry: &Geometry,
+        ray: &Ray,
+        sheared: &Sheared,
+        t_max: f32,
+        stack: &mut Stack,
+    ) -> bool {
+        let Some(root) = self.root else { return false };
         let slabs = Slabs::<W>::new(ray);
         let stack = &mut stack.0;
         stack[0].1 = root;
@@ -339,7 +349,7 @@ impl Bvh {
                 }
                 Child::Pack(index) => {
                     let pack = &self.packs[index];
-                    if triangle::intersect::<W>(pack, &sheared, t_max).is_some() {
+                    if triangle::intersect::<W>(pack, sheared, t_max).is_some() {
                         return true;
                     }
                 }

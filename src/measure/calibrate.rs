@@ -81,8 +81,8 @@ pub struct Renders {
 }
 
 impl Renders {
-    /// Renders with each of so many seeds on `threads` threads (0 for one a core) and keeps the pictures after each of `passes`, which
-    /// ascend. `each` is told how many are done.
+    /// Renders with each of so many seeds on `threads` threads (0 for one a core) and keeps the
+    /// pictures after each of `passes`, which ascend. `each` is told how many are done.
     pub fn new(
         params: &Params,
         passes: &[u64],

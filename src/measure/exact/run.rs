@@ -16,14 +16,16 @@ const FIRST: u64 = 16;
 /// draws the mean towards runs of small spread is far below one standard error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Budget {
-    /// Enough when the standard error is this fraction of the expected value.
+    /// Enough when the standard error is this fraction of the expected value. The mean has to be
+    /// right to four times as much. Where the rays are spent before, twice the fraction will do to
+    /// tell; a larger noise leaves the case unresolved.
     pub relative: f64,
     /// Rays that may be spent on a case, about.
     pub rays: u64,
 }
 
 impl Budget {
-    /// Every mean to 1e-3 at four standard errors.
+    /// Every mean to 1e-3, which is four standard errors, or two where the rays do not suffice.
     pub const FULL: Budget = Budget { relative: 2.5e-4, rays: 1 << 31 };
     /// A look at each case in some tens of milliseconds: to 1 %.
     pub const QUICK: Budget = Budget { relative: 2.5e-3, rays: 1 << 25 };
