@@ -205,6 +205,16 @@ impl<L: Lane> View<L> {
 }
 
 impl Lobes {
+    /// The same parameters in every lane.
+    #[inline(always)]
+    pub fn splat_lanes<L: Lane>(&self) -> Lobes<L> {
+        let width = Width {
+            alpha: L::splat(self.width.alpha),
+            exponent: L::splat(self.width.exponent),
+        };
+        Lobes { kd: self.kd.splat_lanes(), ks: self.ks.splat_lanes(), width }
+    }
+
     /// All factors of the red channel's value.
     pub fn terms<M: Microfacet>(&self, wo: V3, wi: V3) -> Terms {
         if !above::<M, f32>(wo, wi) {

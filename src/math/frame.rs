@@ -43,6 +43,14 @@ impl<L: Lane> Frame<L> {
     }
 }
 
+impl Frame {
+    /// The same frame in every lane.
+    #[inline(always)]
+    pub fn splat_lanes<L: Lane>(&self) -> Frame<L> {
+        Frame { s: self.s.splat_lanes(), t: self.t.splat_lanes(), n: self.n.splat_lanes() }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -106,7 +106,8 @@ impl Params {
     /// How light is sampled.
     pub fn method(&self) -> Method {
         let Params { strategy, normals, erratum, reference, .. } = *self;
-        Method { strategy, normals, erratum, reference }
+        let group = std::env::var("G").ok().and_then(|g| g.parse().ok()).unwrap_or(1);
+        Method { strategy, normals, erratum, reference, group }
     }
 
     /// What traces a sample of any pixel and pass of these.

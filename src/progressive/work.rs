@@ -342,14 +342,19 @@ impl ModelVisitor for TilePass<'_> {
     fn visit<M: Microfacet>(self) {
         let pass = self.film.begin_pass();
         let (film, nonfinite) = (&mut *self.film, self.nonfinite);
-        let mut pixel = 0;
-        self.tracer.sample_each::<M>(&mut self.rect.pixels(), pass, self.scratch, &mut |sample| {
+        let r = self.rect;
+        let gw = 8; let gh = 4;
+        let order: Vec<[u32;2]> = (r.y0..r.y1).step_by(gh).flat_map(|y| (r.x0..r.x1).step_by(gw).flat_map(move |x| (y..(y+gh as u32).min(r.y1)).flat_map(move |yy| (x..(x+gw as u32).min(r.x1)).map(move |xx| [xx,yy])))).collect();
+        let mut i = 0;
+        self.tracer.sample_each::<M>(&mut order.iter().copied(), pass, self.scratch, &mut |sample| {
+            let [x, y] = order[i];
+            i += 1;
+            let pixel = ((y - r.y0) * (r.x1 - r.x0) + x - r.x0) as usize;
             if sample.is_finite() {
                 film.add(pixel, sample);
             } else {
                 *nonfinite += 1;
             }
-            pixel += 1;
         });
         self.film.end_pass();
     }

@@ -105,6 +105,9 @@ pub struct Method {
     pub erratum: Option<Erratum>,
     /// One path at a time, whatever the method.
     pub reference: bool,
+    /// Paths that share their second points, in the engine: 16, 32 or 64 neighbours in the order
+    /// given, or 0 or 1 for none.
+    pub group: u32,
 }
 
 impl Method {

@@ -7,6 +7,7 @@
 //! alone, never on who its neighbours are.
 
 mod lights;
+mod reuse;
 mod shade;
 mod surface;
 mod table;
@@ -20,6 +21,7 @@ use crate::math::sequence::{Slot, Stream, pair};
 use crate::math::{Rgb, V3};
 use crate::scene::{Material, Scene};
 use lights::LightTable;
+use reuse::{Firsts, Seconds};
 use std::marker::PhantomData;
 use surface::{MaterialTable, Met};
 
@@ -45,6 +47,8 @@ pub(super) struct Bundle {
     paths: Paths,
     met: Met,
     shadows: Shadows,
+    firsts: Firsts,
+    seconds: Seconds,
     /// By place in the bundle.
     radiance: Vec<[f32; 3]>,
 }
@@ -122,6 +126,10 @@ impl Tracer {
         let Scratch { stack, bundle, rays, capped } = scratch;
         bundle.radiance.clear();
         bundle.radiance.resize(count, [0.0; 3]);
+        if self.shares() {
+            bundle.firsts.there.0.fill(0);
+            bundle.seconds.clear(count);
+        }
         dispatch(isa, Start { tracer: self, paths: &mut bundle.paths, count, pass });
         for event in 0.. {
             *rays += count as u64;
@@ -134,16 +142,55 @@ impl Tracer {
                 *capped += going as u64;
             }
             if last {
-                return;
+                break;
             }
             *rays += bundle.shadows.count as u64;
-            dispatch(isa, Ask { tracer: self, bundle, stack });
+            dispatch(isa, Ask { tracer: self, bundle, stack, sums: self.asked_at(event) });
             if going == 0 {
-                return;
+                break;
             }
             count = going;
         }
+        if self.shares() {
+            *rays += dispatch(isa, Join { tracer: self, bundle, stack });
+            dispatch(isa, Share { tracer: self, bundle, model: PhantomData::<M> });
+        }
     }
+
+    /// Whether paths share their second points.
+    #[inline(always)]
+    fn shares(&self) -> bool {
+        self.method.group > 1 && self.max_depth > 1
+    }
+
+    /// Where light belongs that is asked for at this event.
+    #[inline(always)]
+    fn asked_at(&self, event: u32) -> Sums {
+        match event {
+            1 if self.shares() => Sums::Asked,
+            _ => self.met_at(event),
+        }
+    }
+
+    /// Where light belongs that is met at this event.
+    #[inline(always)]
+    fn met_at(&self, event: u32) -> Sums {
+        match event {
+            2.. if self.shares() => Sums::Reflected,
+            _ => Sums::Radiance,
+        }
+    }
+}
+
+/// What light is added to.
+#[derive(Clone, Copy, Debug)]
+enum Sums {
+    /// What the path itself found.
+    Radiance,
+    /// What arrives at its second point from the light that was asked.
+    Asked,
+    /// What arrives there from the direction sampled, by reflection.
+    Reflected,
 }
 
 /// Camera rays of the pixels whose columns and rows lie where the slots and keys will be.
@@ -221,13 +268,45 @@ struct Ask<'a> {
     tracer: &'a Tracer,
     bundle: &'a mut Bundle,
     stack: &'a mut Stack,
+    sums: Sums,
 }
 
 impl Kernel for Ask<'_> {
     type Output = ();
     #[inline(always)]
     fn run<W: Wide, P: Packet>(self) {
-        self.tracer.ask::<W, P>(self.bundle, self.stack);
+        self.tracer.ask::<W, P>(self.bundle, self.stack, self.sums);
+    }
+}
+
+/// [`Tracer::join`]
+struct Join<'a> {
+    tracer: &'a Tracer,
+    bundle: &'a mut Bundle,
+    stack: &'a mut Stack,
+}
+
+impl Kernel for Join<'_> {
+    type Output = u64;
+    #[inline(always)]
+    fn run<W: Wide, P: Packet>(self) -> u64 {
+        let group = self.tracer.method.group as usize;
+        self.tracer.join::<W, P>(self.bundle, group, self.stack)
+    }
+}
+
+/// [`Tracer::share`]
+struct Share<'a, M> {
+    tracer: &'a Tracer,
+    bundle: &'a mut Bundle,
+    model: PhantomData<M>,
+}
+
+impl<M: Microfacet> Kernel for Share<'_, M> {
+    type Output = ();
+    #[inline(always)]
+    fn run<W: Wide, P: Packet>(self) {
+        self.tracer.share::<P, M>(self.bundle, self.tracer.method.group as usize);
     }
 }
 
@@ -281,9 +360,14 @@ impl Tracer {
     }
 
     #[inline(always)]
-    fn ask<W: Wide, P: Packet>(&self, bundle: &mut Bundle, stack: &mut Stack) {
+    fn ask<W: Wide, P: Packet>(&self, bundle: &mut Bundle, stack: &mut Stack, sums: Sums) {
         let (bvh, geometry) = (self.scene.bvh(), self.scene.geometry());
         let shadows = &bundle.shadows;
+        let sums = match sums {
+            Sums::Radiance => &mut bundle.radiance,
+            Sums::Asked => &mut bundle.seconds.light,
+            Sums::Reflected => &mut bundle.seconds.reflected,
+        };
         for at in (0..shadows.count).step_by(P::WIDTH) {
             let (o, d) = (shadows.o.load::<P>(at), shadows.d.load::<P>(at));
             let t_max = shadows.t_max.load::<P>(at);
@@ -311,7 +395,7 @@ impl Tracer {
                     }
                 }
                 let light = shadows.light.get(at + lane);
-                let sum = &mut bundle.radiance[shadows.slot.0[at + lane] as usize];
+                let sum = &mut sums[shadows.slot.0[at + lane] as usize];
                 for (sum, light) in sum.iter_mut().zip(light) {
                     *sum += light;
                 }

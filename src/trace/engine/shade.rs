@@ -1,6 +1,6 @@
 //! What happens at a surface, for as many paths at a time as a register holds.
 
-use super::{Bundle, Tables, lowest};
+use super::{Bundle, Sums, Tables, lowest};
 use crate::brdf::Microfacet;
 use crate::geometry::{SurfacePoint, offset_origin};
 use crate::math::lanes::{Lane, Mask, Packet};
@@ -12,7 +12,8 @@ impl Tracer {
     /// One scattering event of `count` paths: adds the light that they met, prepares the rays
     /// towards lights and the rays that go on, and returns the number of those. Where it is the
     /// `last` event nothing is prepared, and the number is that of the paths that would have gone
-    /// on.
+    /// on. Where paths are shared, what happens at the first two points is taken down for that, and
+    /// light from beyond the second is counted as it arrives there.
     #[inline(always)]
     pub(super) fn shade<P: Packet, M: Microfacet>(
         &self,
@@ -26,6 +27,7 @@ impl Tracer {
         let geometry = self.scene.geometry();
         let Tables { materials, lights } = &self.tables;
         let asks = !lights.is_empty();
+        let (is_first, is_second) = (self.shares() && event == 0, self.shares() && event == 1);
         let mut going = 0;
         bundle.shadows.count = 0;
         for at in (0..count).step_by(P::WIDTH) {
@@ -54,33 +56,43 @@ impl Tracer {
                 going += (hit & material.reflects).bits().count_ones() as usize;
                 continue;
             }
+            let plate = bundle.met.plate.load::<P>(at);
+            let what = [bundle.met.material.load::<P>(at), plate];
+            if is_first {
+                bundle.firsts.store(at, go, &point, -d, what);
+            }
             if !go.any() {
                 continue;
             }
             let slot = bundle.paths.slot.load::<P>(at);
-            let plate = bundle.met.plate.load::<P>(at);
             let key = bundle.paths.key.load::<P>(at);
             let stream = Stream::again(key, pass);
             let view = material.lobes.seen_from::<M>(wo);
             let [lobe_choice, light_choice] = stream.pair_bits(Slot::choice(event));
 
+            let mut towards_light = (wo, zero);
             if asks {
                 let u = pair::<P>(&stream, Slot::light(event));
                 let light = lights.sample::<P>(geometry, &point, &frame, light_choice, u);
                 let wi = frame.to_local(light.wi);
                 let above = M::cosine(wi.z).gt(zero) & M::cosine(point.ng.dot(light.wi)).gt(zero);
-                let asked = go & light.found & above;
+                let mut asked = go & light.found & above;
                 if asked.any() {
-                    let e = view.eval::<M>(wi);
-                    let weight = power_heuristic(light.pdf, e.pdf);
-                    let found = light.radiance * e.f * (M::cosine(wi.z) / light.pdf * weight);
-                    let asked = asked & !is_black(found);
+                    let mut found = light.radiance;
+                    if is_second {
+                        towards_light = (wi, light.pdf.or_zero(asked));
+                    } else {
+                        let e = view.eval::<M>(wi);
+                        let weight = power_heuristic(light.pdf, e.pdf);
+                        found = beta * found * e.f * (M::cosine(wi.z) / light.pdf * weight);
+                        asked = asked & !is_black(found);
+                    }
                     let shadows = &mut bundle.shadows;
                     let end = shadows.count;
                     shadows.o.push::<P>(end, asked, light.o);
                     shadows.d.push::<P>(end, asked, light.d);
                     shadows.t_max.push::<P>(end, asked, light.t_max);
-                    shadows.light.push_rgb::<P>(end, asked, beta * found);
+                    shadows.light.push_rgb::<P>(end, asked, found);
                     shadows.plates[0].push::<P>(end, asked, plate);
                     shadows.plates[1].push::<P>(end, asked, light.plate);
                     shadows.slot.push::<P>(end, asked, slot);
@@ -92,9 +104,13 @@ impl Tracer {
             let next = view.sample::<M>(unit::<P>(lobe_choice), u);
             let d = frame.to_world(next.wi);
             let cos = M::cosine(next.wi.z);
-            let mut beta = beta * next.f * (cos / next.pdf);
+            let scattered = next.f * (cos / next.pdf);
             let leaves = next.pdf.gt(zero) & M::cosine(point.ng.dot(d)).gt(zero);
+            let mut beta = if is_second { scattered } else { beta * scattered };
             let mut goes = go & leaves & !is_black(beta);
+            if is_first {
+                bundle.firsts.store_direction(at, next.pdf, scattered);
+            }
             if event >= roulette::FROM {
                 let survival = roulette::survival(event, beta.max_channel());
                 let one = P::splat(1.0);
@@ -103,8 +119,16 @@ impl Tracer {
                     let [u, _] = pair::<P>(&stream, Slot::roulette(event));
                     let ended = at_risk & u.ge(survival);
                     goes = goes & !ended;
-                    beta = beta * P::select(at_risk, one / survival, one);
+                    let made_up = P::select(at_risk, one / survival, one);
+                    beta = if is_second { Rgb::splat(made_up) } else { beta * made_up };
+                } else if is_second {
+                    beta = Rgb::splat(one);
                 }
+            }
+            if is_second {
+                let sampled = (next.wi, next.pdf.or_zero(goes));
+                let ways = [towards_light, sampled];
+                bundle.seconds.push::<P>(go, slot, &point, what, ways, next.f);
             }
             let paths = &mut bundle.paths;
             paths.o.push::<P>(going, goes, offset_origin(point.p, point.error, point.ng, d));
@@ -138,9 +162,13 @@ impl Tracer {
         let mut light = beta * environment.splat_lanes();
         if event > 0 {
             let other = self.tables.lights.environment_pdf(bundle.paths.cos.load::<P>(at));
+            if self.shares() && event == 2 {
+                return bundle.keep_emitted::<P>(at, missed.bits(), light, other);
+            }
             light = light * power_heuristic(bundle.paths.pdf.load::<P>(at), other);
         }
-        bundle.add::<P>(at, missed.bits(), light);
+        let sums = self.met_at(event);
+        bundle.add::<P>(at, missed.bits(), light, sums);
     }
 
     /// What the surfaces met give off themselves, at this cosine to the rays.
@@ -163,27 +191,55 @@ impl Tracer {
                 let (primitive, t) = (bundle.met.primitive.0[at + lane], bundle.met.t.0[at + lane]);
                 other[lane] = self.tables.lights.pdf(from, primitive, t, cosine[lane]);
             }
-            light = light * power_heuristic(bundle.paths.pdf.load::<P>(at), P::load(&other));
+            let other = P::load(&other);
+            if self.shares() && event == 2 {
+                return bundle.keep_emitted::<P>(at, lanes, light, other);
+            }
+            light = light * power_heuristic(bundle.paths.pdf.load::<P>(at), other);
         }
-        bundle.add::<P>(at, lanes, light);
+        let sums = self.met_at(event);
+        bundle.add::<P>(at, lanes, light, sums);
     }
 }
 
 impl Bundle {
     /// Adds light to the paths in these lanes from place `at` on.
     #[inline(always)]
-    fn add<P: Packet>(&mut self, at: usize, lanes: u32, light: Rgb<P>) {
-        let mut channels = [[0.0; 16]; 3];
-        light.r.store(&mut channels[0]);
-        light.g.store(&mut channels[1]);
-        light.b.store(&mut channels[2]);
-        for lane in (0..P::WIDTH).filter(|lane| lanes >> lane & 1 != 0) {
-            let sum = &mut self.radiance[self.paths.slot.0[at + lane] as usize];
-            for (sum, channel) in sum.iter_mut().zip(&channels) {
+    fn add<P: Packet>(&mut self, at: usize, lanes: u32, light: Rgb<P>, sums: Sums) {
+        let slots = self.paths.slot.0[at..at + P::WIDTH].iter().enumerate();
+        let sums = match sums {
+            Sums::Radiance => &mut self.radiance,
+            Sums::Asked => &mut self.seconds.light,
+            Sums::Reflected => &mut self.seconds.reflected,
+        };
+        let channels = store(light);
+        for (lane, slot) in slots.filter(|(lane, _)| lanes >> lane & 1 != 0) {
+            for (sum, channel) in sums[*slot as usize].iter_mut().zip(&channels) {
                 *sum += channel[lane];
             }
         }
     }
+
+    /// Keeps light that was met from second points, with the density that asking has for it.
+    #[inline(always)]
+    fn keep_emitted<P: Packet>(&mut self, at: usize, lanes: u32, light: Rgb<P>, pdf: P) {
+        let (channels, mut pdfs) = (store(light), [0.0; 16]);
+        pdf.store(&mut pdfs);
+        for lane in (0..P::WIDTH).filter(|lane| lanes >> lane & 1 != 0) {
+            let slot = self.paths.slot.0[at + lane] as usize;
+            self.seconds.emitted[slot] = channels.map(|channel| channel[lane]);
+            self.seconds.emitted_pdf[slot] = pdfs[lane];
+        }
+    }
+}
+
+#[inline(always)]
+fn store<P: Packet>(light: Rgb<P>) -> [[f32; 16]; 3] {
+    let mut channels = [[0.0; 16]; 3];
+    light.r.store(&mut channels[0]);
+    light.g.store(&mut channels[1]);
+    light.b.store(&mut channels[2]);
+    channels
 }
 
 #[inline(always)]

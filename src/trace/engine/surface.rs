@@ -49,6 +49,17 @@ impl MaterialTable {
         MaterialTable(Table::new(materials.iter().map(record).collect()))
     }
 
+    /// One material's BRDF.
+    #[inline(always)]
+    pub(super) fn lobes(&self, index: u32) -> Lobes {
+        let f = self.0.record(index as usize);
+        Lobes {
+            kd: Rgb::new(f[0], f[1], f[2]),
+            ks: Rgb::new(f[3], f[4], f[5]),
+            width: Width { alpha: f[6], exponent: f[7] },
+        }
+    }
+
     #[inline(always)]
     pub(super) fn get<P: Packet>(&self, index: P::Bits) -> Materials<P> {
         let f = self.0.get::<P>(index);
