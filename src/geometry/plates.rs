@@ -25,6 +25,9 @@ const LARGE: f64 = 1.0 / 256.0;
 const SLENDER: f64 = 64.0;
 /// Roundings of 1 + the origin's largest coordinate that decisions keep clear of, across a plane.
 const CLEARANCE: f32 = 64.0;
+/// What is this far to one side of a plate does not meet it: several times the clearance above for
+/// points of the scene, whose coordinates are within 1, and their distance from the surface.
+const ASIDE: f32 = 16.0 * CLEARANCE * ROUNDING;
 /// Corners of a four-sided plate lie in its plane to within this.
 const FLAT: f64 = 4.0 * ROUNDING as f64;
 
@@ -51,8 +54,26 @@ pub(crate) struct Plates {
     all: Vec<u32>,
     /// Those that bodies may lie behind, as seen from between surfaces: not on the convex hull.
     inner: Vec<u32>,
+    /// The inner ones by component, for [`Plates::between`].
+    shades: Box<Shades>,
     /// Triangles and their plates, by triangle.
     plate_of: Vec<(u32, u32)>,
+}
+
+/// Planes and bounds of plates: normal, its product with the points of the plane, lowest and
+/// highest corner.
+#[derive(Clone, Debug)]
+struct Shades {
+    n: [[f32; MOST]; 3],
+    d: [f32; MOST],
+    bounds: [[[f32; MOST]; 3]; 2],
+}
+
+impl Default for Shades {
+    fn default() -> Shades {
+        let zero = [0.0; MOST];
+        Shades { n: [zero; 3], d: zero, bounds: [[zero; 3]; 2] }
+    }
 }
 
 /// What as many rays met.
@@ -102,8 +123,57 @@ impl Plates {
         plate_of.dedup();
         let all: Vec<u32> = (0..plates.len() as u32).collect();
         let hides = |&&i: &&u32| !is_on_the_hull(geometry, &plates[i as usize]);
-        let inner = all.iter().filter(hides).copied().collect();
-        Plates { plates, all, inner, plate_of }
+        let inner: Vec<u32> = all.iter().filter(hides).copied().collect();
+        let mut shades = Box::<Shades>::default();
+        for (i, &at) in inner.iter().enumerate() {
+            let Plate { n, d, triangles, .. } = &plates[at as usize];
+            shades.d[i] = *d;
+            let corners = triangles.map(|triangle| geometry.corners(triangle as usize));
+            for axis in 0..3 {
+                let of = |v: V3| [v.x, v.y, v.z][axis];
+                shades.n[axis][i] = of(*n);
+                let along = || corners.iter().flatten().map(|corner| of(*corner));
+                shades.bounds[0][axis][i] = along().fold(f32::INFINITY, f32::min) - ASIDE;
+                shades.bounds[1][axis][i] = along().fold(f32::NEG_INFINITY, f32::max) + ASIDE;
+            }
+        }
+        Plates { plates, all, inner, shades, plate_of }
+    }
+
+    /// Which of the inner plates may be met on the way from a point to any point of a box, given by
+    /// its corners: bit `i` for the `i`th of them. Coordinates are those of surfaces of the scene.
+    #[inline(always)]
+    pub(crate) fn between<P: Packet>(&self, p: V3, [low, high]: [V3; 2]) -> u64 {
+        let (p_lanes, half) = (p.splat_lanes::<P>(), 0.5);
+        let middle = ((low + high) * half).splat_lanes::<P>();
+        let reach = ((high - low) * half).splat_lanes::<P>();
+        let (lowest, highest) = (low.min(p).splat_lanes::<P>(), high.max(p).splat_lanes::<P>());
+        let aside = P::splat(ASIDE);
+        let Shades { n, d, bounds } = &*self.shades;
+        let mut found = 0;
+        for at in (0..self.inner.len()).step_by(P::WIDTH) {
+            let load = |rows: &[[f32; MOST]; 3]| {
+                V3::new(P::load(&rows[0][at..]), P::load(&rows[1][at..]), P::load(&rows[2][at..]))
+            };
+            let (n, d) = (load(n), P::load(&d[at..]));
+            let (height, centre) = (n.dot(p_lanes) - d, n.dot(middle) - d);
+            let spread = n.abs().dot(reach);
+            let above = height.min(centre - spread).gt(aside);
+            let below = height.max(centre + spread).lt(-aside);
+            let (from, to) = (load(&bounds[0]), load(&bounds[1]));
+            let apart = from.x.gt(highest.x)
+                | from.y.gt(highest.y)
+                | from.z.gt(highest.z)
+                | to.x.lt(lowest.x)
+                | to.y.lt(lowest.y)
+                | to.z.lt(lowest.z);
+            let may = !(above | below | apart);
+            let some = self.inner.len() - at;
+            let there = if some >= P::WIDTH { u64::MAX } else { (1 << some) - 1 };
+            let lanes = if P::WIDTH == 32 { u64::MAX } else { (1 << P::WIDTH) - 1 };
+            found |= (u64::from(may.bits()) & there & lanes) << at;
+        }
+        found
     }
 
     /// The triangles that belong to plates, in order.
@@ -170,29 +240,70 @@ impl Plates {
         between: bool,
     ) -> [P::Mask; 2] {
         let clearance = [clearance(o), d.length()];
-        let (mut blocked, mut open) = (P::mask(0), P::mask(0));
         let candidates = if between { &self.inner } else { &self.all };
+        let mut shadow = Shadow { blocked: P::mask(0), open: P::mask(0) };
         for &at in candidates {
-            let met = self.plates[at as usize].meet(o, d, clearance);
-            let this = P::Bits::splat(at);
-            let own = P::equal_bits(from, this) | P::equal_bits(to, this);
-            let outside = own
-                | met.inside.lt(-met.band)
-                | met.t.lt(-met.within)
-                | met.t.gt(t_max + met.within);
-            let inside = met.inside.gt(met.band)
-                & met.t.gt(met.within)
-                & met.t.lt(t_max - met.within)
-                & !own;
-            blocked = blocked | inside;
-            open = open | !(outside | inside);
-            live = live & !inside;
+            live = live & !self.shade(at, &mut shadow, (o, d, t_max), [from, to], clearance);
             if !live.any() {
                 break;
             }
         }
-        [blocked, open & !blocked]
+        [shadow.blocked, shadow.open & !shadow.blocked]
     }
+
+    /// [`Plates::occluded`] from surface to surface by those of the inner plates alone that
+    /// [`Plates::between`] has found.
+    #[inline(always)]
+    pub(crate) fn occluded_by<P: Packet>(
+        &self,
+        mut which: u64,
+        o: V3<P>,
+        d: V3<P>,
+        t_max: P,
+        ends: [P::Bits; 2],
+        mut live: P::Mask,
+    ) -> [P::Mask; 2] {
+        let clearance = [clearance(o), d.length()];
+        let mut shadow = Shadow { blocked: P::mask(0), open: P::mask(0) };
+        while which != 0 && live.any() {
+            let at = self.inner[which.trailing_zeros() as usize];
+            which &= which - 1;
+            live = live & !self.shade(at, &mut shadow, (o, d, t_max), ends, clearance);
+        }
+        [shadow.blocked, shadow.open & !shadow.blocked]
+    }
+
+    /// Adds the shadow of one plate; returns the rays that certainly meet it.
+    #[inline(always)]
+    fn shade<P: Packet>(
+        &self,
+        at: u32,
+        shadow: &mut Shadow<P>,
+        (o, d, t_max): (V3<P>, V3<P>, P),
+        [from, to]: [P::Bits; 2],
+        clearance: [P; 2],
+    ) -> P::Mask {
+        let met = self.plates[at as usize].meet(o, d, clearance);
+        let this = P::Bits::splat(at);
+        let own = P::equal_bits(from, this) | P::equal_bits(to, this);
+        let outside = own
+            | met.inside.lt(-met.band)
+            | met.t.lt(-met.within)
+            | met.t.gt(t_max + met.within);
+        let inside = met.inside.gt(met.band)
+            & met.t.gt(met.within)
+            & met.t.lt(t_max - met.within)
+            & !own;
+        shadow.blocked = shadow.blocked | inside;
+        shadow.open = shadow.open | !(outside | inside);
+        inside
+    }
+}
+
+/// Rays that certainly meet a plate, and those that may.
+struct Shadow<P: Packet> {
+    blocked: P::Mask,
+    open: P::Mask,
 }
 
 /// A ray and a plate.

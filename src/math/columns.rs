@@ -7,19 +7,21 @@ use super::{Rgb, V3};
 pub(crate) const BUNDLE: usize = 512;
 /// Whole registers may be written from any member's place.
 const ROOM: usize = BUNDLE + 16;
+/// The same for four numbers a member.
+pub(crate) const FOURFOLD: usize = 4 * BUNDLE + 16;
 
 /// One number of each member.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-pub(crate) struct Column<T>(pub(crate) [T; ROOM]);
+pub(crate) struct Column<T, const N: usize = ROOM>(pub(crate) [T; N]);
 
-impl<T: Copy + Default> Default for Column<T> {
-    fn default() -> Column<T> {
-        Column([T::default(); ROOM])
+impl<T: Copy + Default, const N: usize> Default for Column<T, N> {
+    fn default() -> Column<T, N> {
+        Column([T::default(); N])
     }
 }
 
-impl Column<f32> {
+impl<const N: usize> Column<f32, N> {
     /// Those from member `at` on.
     #[inline(always)]
     pub(crate) fn load<P: Packet>(&self, at: usize) -> P {
@@ -37,7 +39,7 @@ impl Column<f32> {
     }
 }
 
-impl Column<u32> {
+impl<const N: usize> Column<u32, N> {
     /// Those from member `at` on.
     #[inline(always)]
     pub(crate) fn load<P: Packet>(&self, at: usize) -> P::Bits {
@@ -57,9 +59,9 @@ impl Column<u32> {
 
 /// One vector or colour of each member.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Columns3(pub(crate) [Column<f32>; 3]);
+pub(crate) struct Columns3<const N: usize = ROOM>(pub(crate) [Column<f32, N>; 3]);
 
-impl Columns3 {
+impl<const N: usize> Columns3<N> {
     /// One member's.
     #[inline(always)]
     pub(crate) fn get(&self, at: usize) -> [f32; 3] {

@@ -101,6 +101,19 @@ impl<B: Bits> Stream<B> {
         Stream { key, reversed: B::splat(index.reverse_bits() >> 16) }
     }
 
+    /// Where a pass takes `count` pairs of a slot's sequence instead of one: the stream that has the
+    /// `which`th of them, from 0. Together they go through the sequence without a gap.
+    #[inline(always)]
+    pub(crate) fn one_of(&self, count: u32, which: u32, pass: u64) -> Stream<B> {
+        if count == 1 {
+            return *self;
+        }
+        let index = (pass / REPLICATES as u64 & 0xffff) as u32 * count + which;
+        // Beyond the sequence's end a new randomisation begins.
+        let key = if index > 0xffff { mix(self.key ^ B::splat(index >> 16)) } else { self.key };
+        Stream { key, reversed: B::splat((index & 0xffff).reverse_bits() >> 16) }
+    }
+
     /// What tells it from other pixels' streams in its pass.
     #[inline(always)]
     pub(crate) fn key(&self) -> B {

@@ -56,6 +56,16 @@ impl<L: Lane> V3<L> {
     }
     /// Each component's absolute value.
     #[inline(always)]
+    pub fn min(self, o: Self) -> Self {
+        V3 { x: self.x.min(o.x), y: self.y.min(o.y), z: self.z.min(o.z) }
+    }
+    /// The larger of each pair of components.
+    #[inline(always)]
+    pub fn max(self, o: Self) -> Self {
+        V3 { x: self.x.max(o.x), y: self.y.max(o.y), z: self.z.max(o.z) }
+    }
+    /// The magnitude of each component.
+    #[inline(always)]
     pub fn abs(self) -> Self {
         V3 { x: self.x.abs(), y: self.y.abs(), z: self.z.abs() }
     }

@@ -1,5 +1,6 @@
 //! The progressive core: [`Params`] in, epoch-stamped [`Snapshot`]s out.
 
+mod canvas;
 mod outlet;
 mod params;
 mod recipe;

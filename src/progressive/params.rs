@@ -3,7 +3,7 @@
 use crate::brdf::{Erratum, Model, Normals, Roughness};
 use crate::math::sequence::REPLICATES;
 use crate::scene::{Camera, Material, Scene};
-use crate::trace::{Method, Strategy, Tracer};
+use crate::trace::{Group, Method, Strategy, Tracer};
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -35,6 +35,9 @@ pub struct Params {
     /// Trace one path at a time with the reference tracer, even where the engine could. Other
     /// strategies, other normals and mistakes are its work anyway.
     pub reference: bool,
+    /// How many neighbouring paths share what they find; `None` for as many as a
+    /// [pilot](super::pilot) finds best. Where the reference tracer works none do.
+    pub group: Option<Group>,
 }
 
 /// Parameters that cannot be rendered.
@@ -91,6 +94,7 @@ impl Params {
             normals: Normals::Visible,
             erratum: None,
             reference: false,
+            group: None,
             scene,
         }
     }
@@ -106,8 +110,7 @@ impl Params {
     /// How light is sampled.
     pub fn method(&self) -> Method {
         let Params { strategy, normals, erratum, reference, .. } = *self;
-        let group = std::env::var("G").ok().and_then(|g| g.parse().ok()).unwrap_or(1);
-        Method { strategy, normals, erratum, reference, group }
+        Method { strategy, normals, erratum, reference }
     }
 
     /// What traces a sample of any pixel and pass of these.
@@ -159,5 +162,6 @@ impl PartialEq for Params {
             && self.seed == o.seed
             && self.max_depth == o.max_depth
             && self.method() == o.method()
+            && self.group == o.group
     }
 }

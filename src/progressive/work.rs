@@ -2,27 +2,31 @@
 
 use super::outlet::Outlet;
 use super::session::{Options, Shared};
-use super::{Counts, Params, ParamsError, Snapshot, State, TileGrid, TileImage, TileRect};
+use super::canvas::Canvas;
+use super::{Counts, Params, ParamsError, Snapshot, State, TILE, TileGrid, TileImage};
 use crate::brdf::{Microfacet, ModelVisitor};
 use crate::film::{ErrorSums, Film};
 use crate::math::Rgb;
-use crate::trace::{Scratch, Tracer};
+use crate::trace::{Deal, Group, Hand, Scratch, Tracer};
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-/// Passes of one visit to a tile, once the first few are there: fewer waits for the last worker.
+/// Most passes that are traced before their samples are added up.
 const BATCH: u64 = 16;
+/// Samples traced between two looks at what is wanted, roughly: a tenth of a second's work at most
+/// where scenes are simple, and what a pause may lose.
+const WAVE: u64 = 1 << 18;
 /// A preview has at most this many paths, so that it stands within a frame's time.
-const PREVIEW_PATHS: u64 = 8192;
+const PREVIEW_PATHS: u64 = 32_768;
 /// The preview is refined by this factor in each direction until a pass is no finer.
 const PREVIEW_STEP: u32 = 4;
-/// Tiles of a preview that one worker does at a time: together they fill a bundle of paths.
-const TOGETHER: usize = 16;
+/// Paths of a preview that share.
+const PREVIEW_GROUP: Group = Group::ThirtyTwo;
 
 /// What a driver is to do next.
 pub(super) enum Work {
@@ -44,7 +48,10 @@ struct Epoch {
     number: u64,
     params: Params,
     tracer: Tracer,
+    group: Group,
     grid: TileGrid,
+    /// One a worker.
+    scratch: Vec<Mutex<Scratch>>,
     shown: Vec<Shown>,
     counts: [AtomicU64; 4],
     /// Tracing time before the present run, in nanoseconds.
@@ -79,6 +86,7 @@ impl Workers {
     /// The driver's thread: until the handle is dropped.
     pub(super) fn drive(self) {
         let mut films: Vec<Film> = Vec::new();
+        let mut canvas = Canvas::default();
         let mut now: Option<Epoch> = None;
         let mut failed = false;
         loop {
@@ -96,7 +104,7 @@ impl Workers {
                 Work::Continue => {}
                 Work::Start(number, params) => {
                     // Old sums are cleared by the workers, tile by tile, when they come to them.
-                    let epoch = Epoch::new(number, *params);
+                    let epoch = Epoch::new(number, *params, self.pool.current_num_threads());
                     films.resize_with(epoch.grid.len(), Film::default);
                     films.truncate(epoch.grid.len());
                     for (index, film) in films.iter_mut().enumerate() {
@@ -107,7 +115,7 @@ impl Workers {
                 }
             }
             let Some(epoch) = &now else { continue };
-            let outcome = catch_unwind(AssertUnwindSafe(|| self.run(epoch, &mut films)));
+            let outcome = catch_unwind(AssertUnwindSafe(|| self.run(epoch, &mut films, &mut canvas)));
             if let Err(panic) = outcome {
                 let reason = failure(epoch, panic.as_ref());
                 self.outlet.send(|| epoch.snapshot(State::Failed(reason), whole_passes(&films)));
@@ -117,95 +125,165 @@ impl Workers {
     }
 
     /// Traces until the pass limit or an interruption.
-    fn run(&self, epoch: &Epoch, films: &mut [Film]) {
+    fn run(&self, epoch: &Epoch, films: &mut [Film], canvas: &mut Canvas) {
         epoch.clock(true);
         let goes_on = || self.shared.goes_on(epoch.number);
         if self.options.preview && whole_passes(films) == 0 {
-            self.preview(epoch, films);
+            self.preview(epoch, canvas);
         }
+        let pixels: u64 = epoch.params.size.map(u64::from).iter().product();
         while goes_on() {
             let done = whole_passes(films);
-            let target = (done + done.clamp(1, BATCH)).min(self.shared.limit());
+            let at_once = done.clamp(1, BATCH).min((WAVE / pixels).max(1));
+            let target = (done + at_once).min(self.shared.limit());
             if done >= target {
                 break;
             }
-            self.pool.install(|| {
-                films.par_iter_mut().enumerate().with_max_len(1).for_each_init(
-                    || epoch.tracer.scratch(),
-                    |scratch, (index, film)| {
-                        if film.passes() < target && goes_on() {
-                            self.trace_tile(epoch, index, film, target, scratch);
-                        }
-                    },
-                )
-            });
+            self.passes(epoch, films, canvas, done..target);
             // The first whole pass is worth showing whenever it comes.
             if done == 0 && whole_passes(films) > 0 {
                 self.outlet.send(|| epoch.snapshot(State::Running, whole_passes(films)));
             }
         }
+        self.pool.install(|| {
+            films.par_iter().enumerate().for_each(|(index, film)| epoch.show_if_new(index, film))
+        });
         epoch.clock(false);
     }
 
-    fn trace_tile(
+    /// Some passes, in bands of as many rows as are worth it. Ends early when it is to.
+    fn passes(
         &self,
         epoch: &Epoch,
-        index: usize,
-        film: &mut Film,
-        target: u64,
-        scratch: &mut Scratch,
+        films: &mut [Film],
+        canvas: &mut Canvas,
+        passes: Range<u64>,
     ) {
-        let rect = epoch.grid.rect(index);
-        let mut counts = Counts::default();
-        while film.passes() < target && self.shared.goes_on(epoch.number) {
-            let tracer = &epoch.tracer;
-            let pass = TilePass { tracer, rect, film, scratch, nonfinite: &mut counts.nonfinite };
-            epoch.params.model.visit(pass);
-            counts.paths += rect.area() as u64;
-        }
-        if counts.paths == 0 {
-            return;
-        }
-        counts.rays = std::mem::take(&mut scratch.rays);
-        counts.capped = std::mem::take(&mut scratch.capped);
-        epoch.count(counts);
-        let estimate = film.estimate(rect.width());
-        let image = TileImage {
-            passes: film.passes(),
-            mean: estimate.mean,
-            standard_error: estimate.standard_error,
-            block: 1,
+        let Params { size, seed, .. } = epoch.params;
+        let deals: Vec<Deal> =
+            passes.clone().map(|pass| Deal::new(size, seed, pass, epoch.group)).collect();
+        canvas.prepare(size, deals.len());
+        let columns = epoch.grid.columns_rows()[0] as usize;
+        let rows = films.len() / columns;
+        // Rows of tiles that had this pass before an interruption are not traced again.
+        let have = |films: &[Film], row: usize| {
+            films[row * columns..][..columns].iter().all(|film| film.passes() >= passes.end)
         };
-        epoch.show(index, image, estimate.sums);
-        self.show_now_and_then(epoch);
+        let mut row = (0..rows).find(|&row| !have(films, row)).unwrap_or(rows);
+        let mut traced = vec![0; deals.len()];
+        let samples = (size[0] * TILE) as usize * deals.len();
+        let band = (WAVE as usize).div_ceil(samples);
+        while row < rows {
+            let end = (row + band).min(rows);
+            let lines = row as u32 * TILE..(end as u32 * TILE).min(size[1]);
+            if !self.trace_lines(epoch, canvas, &deals, passes.start, lines, &mut traced) {
+                return;
+            }
+            let due = passes.start == 0 || epoch.is_snapshot_due(self.shared.interval());
+            let films = &mut films[row * columns..end * columns];
+            self.pool.install(|| {
+                films.par_iter_mut().enumerate().for_each(|(i, film)| {
+                    let index = row * columns + i;
+                    epoch.add(index, film, canvas, deals.len());
+                    if due {
+                        epoch.show_if_new(index, film);
+                        self.show_now_and_then(epoch);
+                    }
+                })
+            });
+            row = end;
+        }
     }
 
-    /// Blocks of pixels in the colour of one of them, ever finer.
-    fn preview(&self, epoch: &Epoch, films: &[Film]) {
-        let [w, h] = epoch.params.size.map(u64::from);
+    /// Traces what these lines of the picture need, but for the rows of bundles that already are:
+    /// false if it was to stop before all of them were there.
+    fn trace_lines(
+        &self,
+        epoch: &Epoch,
+        canvas: &Canvas,
+        deals: &[Deal],
+        first_pass: u64,
+        lines: Range<u32>,
+        traced: &mut [u32],
+    ) -> bool {
+        let mut tasks = Vec::new();
+        for (which, (deal, traced)) in deals.iter().zip(traced).enumerate() {
+            let rows = deal.bundle_rows(lines.clone());
+            let columns = deal.bundles()[0];
+            for y in rows.start.max(*traced)..rows.end {
+                tasks.extend((0..columns).map(|x| (which, [x, y])));
+            }
+            *traced = rows.end;
+        }
+        let counts = [AtomicU64::new(0), AtomicU64::new(0)];
+        let whole = self.for_each_task(epoch, tasks, &|(which, at), scratch| {
+            let (deal, pass) = (&deals[which], first_pass + which as u64);
+            epoch.trace(deal, at, pass, 1, scratch, &|pixel, sample| {
+                canvas.put(which, pixel, sample);
+            });
+            counts[0].fetch_add(std::mem::take(&mut scratch.rays), Ordering::Relaxed);
+            counts[1].fetch_add(std::mem::take(&mut scratch.capped), Ordering::Relaxed);
+        });
+        if whole {
+            let [rays, capped] = counts.map(AtomicU64::into_inner);
+            epoch.count(Counts { rays, capped, ..Counts::default() });
+        }
+        whole
+    }
+
+    /// Deals tasks to the workers; false if some were left because it was to stop.
+    fn for_each_task<T: Send>(
+        &self,
+        epoch: &Epoch,
+        tasks: Vec<T>,
+        work: &(dyn Fn(T, &mut Scratch) + Sync),
+    ) -> bool {
+        let finished = AtomicBool::new(true);
+        self.pool.install(|| {
+            tasks.into_par_iter().with_max_len(1).for_each(|task| {
+                if !self.shared.goes_on(epoch.number) {
+                    finished.store(false, Ordering::Relaxed);
+                    return;
+                }
+                // A worker's own: nobody waits for this lock.
+                let worker = rayon::current_thread_index().unwrap_or(0);
+                let mut scratch =
+                    epoch.scratch[worker].lock().unwrap_or_else(PoisonError::into_inner);
+                work(task, &mut scratch);
+            })
+        });
+        finished.into_inner()
+    }
+
+    /// Blocks of pixels in the colour of one sample each, ever finer.
+    fn preview(&self, epoch: &Epoch, canvas: &mut Canvas) {
+        let Params { size, seed, .. } = epoch.params;
+        let coarse = |block: u32| size.map(|side| side.div_ceil(block));
+        let paths = |block: u32| coarse(block).map(u64::from).iter().product::<u64>();
         let mut block = 1u32;
-        while w.div_ceil(block as u64) * h.div_ceil(block as u64) > PREVIEW_PATHS {
+        while paths(block) > PREVIEW_PATHS {
             block *= 2;
         }
         while block > 1 && self.shared.goes_on(epoch.number) {
-            let finished = AtomicBool::new(true);
-            let starts: Vec<usize> = (0..films.len()).step_by(TOGETHER).collect();
-            self.pool.install(|| {
-                starts.into_par_iter().with_max_len(1).for_each_init(
-                    || epoch.tracer.scratch(),
-                    |scratch, start| {
-                        if !self.shared.goes_on(epoch.number) {
-                            finished.store(false, Ordering::Relaxed);
-                            return;
-                        }
-                        let tiles = start..(start + TOGETHER).min(films.len());
-                        preview_tiles(epoch, tiles, block, scratch);
-                    },
-                )
+            let group = if epoch.group == Group::None { Group::None } else { PREVIEW_GROUP };
+            let deal = Deal::new(coarse(block), seed, 0, group);
+            canvas.prepare(coarse(block), 1);
+            let [columns, rows] = deal.bundles();
+            let tasks = (0..rows).flat_map(|y| (0..columns).map(move |x| [x, y])).collect();
+            let whole = self.for_each_task(epoch, tasks, &|at, scratch| {
+                let put = |pixel, sample| canvas.put(0, pixel, sample);
+                epoch.trace(&deal, at, 0, block, scratch, &put);
+                (scratch.rays, scratch.capped) = (0, 0);
             });
-            if finished.into_inner() {
-                self.outlet.send(|| epoch.snapshot(State::Running, 0));
+            if !whole {
+                return;
             }
+            self.pool.install(|| {
+                (0..epoch.grid.len())
+                    .into_par_iter()
+                    .for_each(|index| epoch.show_preview(index, canvas, block))
+            });
+            self.outlet.send(|| epoch.snapshot(State::Running, 0));
             block /= PREVIEW_STEP;
         }
     }
@@ -244,22 +322,105 @@ fn failure(epoch: &Epoch, panic: &(dyn std::any::Any + Send)) -> String {
 }
 
 impl Epoch {
-    fn new(number: u64, params: Params) -> Epoch {
+    fn new(number: u64, params: Params, threads: usize) -> Epoch {
         let grid = TileGrid { size: params.size };
         let tracer = params.tracer();
         let mut shown = Vec::new();
         shown.resize_with(grid.len(), Shown::default);
+        let scratch = (0..threads.max(1)).map(|_| Mutex::new(tracer.scratch())).collect();
+        let group = match params.group {
+            _ if !tracer.shares(params.model) => Group::None,
+            Some(group) => group,
+            None => std::env::var("G").ok().and_then(|g| g.parse().ok()).and_then(Group::of).unwrap_or(Group::ThirtyTwo),
+        };
         Epoch {
             number,
             params,
             tracer,
+            group,
             grid,
+            scratch,
             shown,
             counts: Default::default(),
             earlier: AtomicU64::new(0),
             run_start: Mutex::new(None),
             last_snapshot: Mutex::new(Instant::now()),
         }
+    }
+
+    /// Traces a bundle of a deal.
+    fn trace(
+        &self,
+        deal: &Deal,
+        at: [u32; 2],
+        pass: u64,
+        block: u32,
+        scratch: &mut Scratch,
+        put: &(dyn Fn([u32; 2], Rgb) + Sync),
+    ) {
+        let mut hand = Hand::default();
+        deal.bundle(at, &mut hand);
+        let tracer = &self.tracer;
+        self.params.model.visit(TraceHand { tracer, hand: &hand, pass, block, scratch, put });
+    }
+
+    /// Adds the samples of some passes to a tile's film.
+    fn add(&self, index: usize, film: &mut Film, canvas: &Canvas, passes: usize) {
+        let rect = self.grid.rect(index);
+        let mut nonfinite = 0;
+        for pass in 0..passes {
+            film.begin_pass();
+            for (pixel, sample) in canvas.tile(pass, rect).enumerate() {
+                if sample.is_finite() {
+                    film.add(pixel, sample);
+                } else {
+                    nonfinite += 1;
+                }
+            }
+            film.end_pass();
+        }
+        let paths = rect.area() as u64 * passes as u64;
+        self.count(Counts { paths, nonfinite, ..Counts::default() });
+    }
+
+    /// Shows what a film has if it is more than what is shown.
+    fn show_if_new(&self, index: usize, film: &Film) {
+        let shown = self.shown[index].image.lock().unwrap_or_else(PoisonError::into_inner);
+        let passes = shown.as_ref().map_or(0, |(image, _)| image.passes);
+        drop(shown);
+        if film.passes() == passes {
+            return;
+        }
+        let estimate = film.estimate(self.grid.rect(index).width());
+        let image = TileImage {
+            passes: film.passes(),
+            mean: estimate.mean,
+            standard_error: estimate.standard_error,
+            block: 1,
+        };
+        self.show(index, image, estimate.sums);
+    }
+
+    /// Shows a tile in blocks of the colours on the canvas.
+    fn show_preview(&self, index: usize, canvas: &Canvas, block: u32) {
+        let rect = self.grid.rect(index);
+        let mut mean = Vec::with_capacity(rect.area());
+        for y in rect.y0..rect.y1 {
+            for left in (rect.x0..rect.x1).step_by(block as usize) {
+                let colour = canvas.at([left / block, y / block]);
+                let colour = if colour.is_finite() { colour } else { Rgb::BLACK };
+                let width = block.min(rect.x1 - left) as usize;
+                mean.extend(std::iter::repeat_n(<[f32; 3]>::from(colour), width));
+            }
+        }
+        let image = TileImage { passes: 0, mean, standard_error: Vec::new(), block };
+        self.show(index, image, ErrorSums::default());
+    }
+
+    /// Whether the last snapshot is so long ago.
+    fn is_snapshot_due(&self, interval: Duration) -> bool {
+        let last = self.last_snapshot.lock().unwrap_or_else(PoisonError::into_inner);
+        last.elapsed() >= interval
     }
 
     fn show(&self, index: usize, image: TileImage, sums: ErrorSums) {
@@ -328,85 +489,20 @@ impl Epoch {
     }
 }
 
-/// One pass over one tile.
-struct TilePass<'a> {
+/// One pass of a bundle.
+struct TraceHand<'a> {
     tracer: &'a Tracer,
-    rect: TileRect,
-    film: &'a mut Film,
+    hand: &'a Hand,
+    pass: u64,
+    block: u32,
     scratch: &'a mut Scratch,
-    nonfinite: &'a mut u64,
+    put: &'a (dyn Fn([u32; 2], Rgb) + Sync),
 }
 
-impl ModelVisitor for TilePass<'_> {
+impl ModelVisitor for TraceHand<'_> {
     type Output = ();
     fn visit<M: Microfacet>(self) {
-        let pass = self.film.begin_pass();
-        let (film, nonfinite) = (&mut *self.film, self.nonfinite);
-        let r = self.rect;
-        let gw = 8; let gh = 4;
-        let order: Vec<[u32;2]> = (r.y0..r.y1).step_by(gh).flat_map(|y| (r.x0..r.x1).step_by(gw).flat_map(move |x| (y..(y+gh as u32).min(r.y1)).flat_map(move |yy| (x..(x+gw as u32).min(r.x1)).map(move |xx| [xx,yy])))).collect();
-        let mut i = 0;
-        self.tracer.sample_each::<M>(&mut order.iter().copied(), pass, self.scratch, &mut |sample| {
-            let [x, y] = order[i];
-            i += 1;
-            let pixel = ((y - r.y0) * (r.x1 - r.x0) + x - r.x0) as usize;
-            if sample.is_finite() {
-                film.add(pixel, sample);
-            } else {
-                *nonfinite += 1;
-            }
-        });
-        self.film.end_pass();
-    }
-}
-
-/// Tiles in blocks, each the colour of its middle pixel's first sample.
-fn preview_tiles(epoch: &Epoch, tiles: Range<usize>, block: u32, scratch: &mut Scratch) {
-    let rects: Vec<TileRect> = tiles.clone().map(|index| epoch.grid.rect(index)).collect();
-    let middles: Vec<[u32; 2]> =
-        rects.iter().flat_map(|r| blocks(*r, block)).map(|b| b.1).collect();
-    let first = FirstSamples { tracer: &epoch.tracer, pixels: &middles, scratch };
-    let mut colours = epoch.params.model.visit(first).into_iter();
-    for (index, rect) in tiles.zip(rects) {
-        let mut mean = vec![[0.0; 3]; rect.area()];
-        for ([left, top], _) in blocks(rect, block) {
-            let colour = colours.next().filter(|c| c.is_finite()).unwrap_or(Rgb::BLACK);
-            for row in top..(top + block).min(rect.y1) {
-                let start = (row - rect.y0) as usize * rect.width() + (left - rect.x0) as usize;
-                let end = start + block.min(rect.x1 - left) as usize;
-                mean[start..end].fill(colour.into());
-            }
-        }
-        let image = TileImage { passes: 0, mean, standard_error: Vec::new(), block };
-        epoch.show(index, image, ErrorSums::default());
-    }
-}
-
-/// Corner and middle pixel of each block of a tile.
-fn blocks(rect: TileRect, block: u32) -> impl Iterator<Item = ([u32; 2], [u32; 2])> {
-    let TileRect { x0, y0, x1, y1 } = rect;
-    (y0..y1).step_by(block as usize).flat_map(move |top| {
-        (x0..x1).step_by(block as usize).map(move |left| {
-            let x = (left + block / 2).min(x1 - 1);
-            let y = (top + block / 2).min(y1 - 1);
-            ([left, top], [x, y])
-        })
-    })
-}
-
-/// The first sample of some pixels.
-struct FirstSamples<'a> {
-    tracer: &'a Tracer,
-    pixels: &'a [[u32; 2]],
-    scratch: &'a mut Scratch,
-}
-
-impl ModelVisitor for FirstSamples<'_> {
-    type Output = Vec<Rgb>;
-    fn visit<M: Microfacet>(self) -> Vec<Rgb> {
-        let mut found = Vec::with_capacity(self.pixels.len());
-        let pixels = &mut self.pixels.iter().copied();
-        self.tracer.sample_each::<M>(pixels, 0, self.scratch, &mut |sample| found.push(sample));
-        found
+        let TraceHand { tracer, hand, pass, block, scratch, put } = self;
+        tracer.sample_hand::<M>(hand, pass, block, scratch, &mut |pixel, sample| put(pixel, sample));
     }
 }

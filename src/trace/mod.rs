@@ -6,6 +6,7 @@
 //! [`Tracer::sample_each`] does the same for hundreds of paths side by side, as many at a time as a
 //! register holds: with the same random numbers, by other orders of the same sums.
 
+mod deal;
 mod engine;
 mod errata;
 mod light;
@@ -17,6 +18,7 @@ use crate::brdf::{Erratum, Lobes, Model, Normals};
 use crate::geometry::Stack;
 use crate::math::{Lane, Rgb};
 use crate::scene::{Camera, CameraRays, Material, Scene};
+pub use deal::{Deal, Group, Hand};
 use engine::{Bundle, Tables};
 use light::Lights;
 use std::sync::Arc;
@@ -105,9 +107,6 @@ pub struct Method {
     pub erratum: Option<Erratum>,
     /// One path at a time, whatever the method.
     pub reference: bool,
-    /// Paths that share their second points, in the engine: 16, 32 or 64 neighbours in the order
-    /// given, or 0 or 1 for none.
-    pub group: u32,
 }
 
 impl Method {
@@ -180,6 +179,12 @@ impl Tracer {
             method,
             scene,
         }
+    }
+
+    /// Whether paths can share what they find: where the engine works, and a path may be scattered
+    /// twice.
+    pub fn shares(&self, model: Model) -> bool {
+        self.method.is_the_engines(model) && self.max_depth > 1
     }
 
     /// Memory for one worker.

@@ -27,6 +27,7 @@ struct Pixels<'a, R> {
     tracer: &'a Tracer,
     pixels: &'a mut dyn Iterator<Item = [u32; 2]>,
     pass: u64,
+    block: u32,
     scratch: &'a mut Scratch,
     each: &'a mut dyn FnMut(Rgb),
     rules: R,
@@ -37,7 +38,8 @@ impl<R: Rules> Pixels<'_, R> {
         for [x, y] in self.pixels {
             let stream = Stream::new(self.tracer.seed, U32(x), U32(y), self.pass);
             let [dx, dy] = pair::<f32>(&stream, Slot::CAMERA);
-            let ray = self.tracer.camera.ray(x as f32 + dx, y as f32 + dy);
+            let side = self.block as f32;
+            let ray = self.tracer.camera.ray((x as f32 + dx) * side, (y as f32 + dy) * side);
             let found = self.tracer.radiance(&self.rules, ray, &stream, self.scratch);
             (self.each)(self.rules.kept(found));
         }
@@ -50,26 +52,27 @@ impl Tracer {
     pub fn sample<M: Microfacet>(&self, x: u32, y: u32, pass: u64, scratch: &mut Scratch) -> Rgb {
         let mut radiance = Rgb::BLACK;
         let each = &mut |found| radiance = found;
-        self.sample_one_by_one::<M>(&mut [[x, y]].into_iter(), pass, scratch, each);
+        self.sample_one_by_one::<M>(&mut [[x, y]].into_iter(), pass, 1, scratch, each);
         radiance
     }
 
-    /// [`Tracer::sample`] of one pixel after the other. What is not the right tracer with visible
+    /// [`Tracer::sample`] of one pixel after the other, or of blocks of pixels. What is not the right tracer with visible
     /// normals is compiled once for all models.
     pub(super) fn sample_one_by_one<M: Microfacet>(
         &self,
         pixels: &mut dyn Iterator<Item = [u32; 2]>,
         pass: u64,
+        block: u32,
         scratch: &mut Scratch,
         each: &mut dyn FnMut(Rgb),
     ) {
         let tracer = self;
         if self.method.is_right(M::MODEL) {
             let rules = Right::<M>::default();
-            Pixels { tracer, pixels, pass, scratch, each, rules }.run();
+            Pixels { tracer, pixels, pass, block, scratch, each, rules }.run();
         } else {
             let rules = Wrong::new(self, M::MODEL);
-            Pixels { tracer, pixels, pass, scratch, each, rules }.run();
+            Pixels { tracer, pixels, pass, block, scratch, each, rules }.run();
         }
     }
 

@@ -12,10 +12,10 @@ mod shade;
 mod surface;
 mod table;
 
-use super::{DEPTH_CAP, Scratch, Tracer};
+use super::{DEPTH_CAP, Hand, Scratch, Tracer};
 use crate::brdf::Microfacet;
 use crate::geometry::{NO_PLATE, Ray, Stack};
-use crate::math::columns::{BUNDLE, Column, Columns3};
+use crate::math::columns::{BUNDLE, Column, Columns3, FOURFOLD};
 use crate::math::lanes::{Bits, Kernel, Mask, Packet, Wide, dispatch};
 use crate::math::sequence::{Slot, Stream, pair};
 use crate::math::{Rgb, V3};
@@ -51,6 +51,9 @@ pub(super) struct Bundle {
     seconds: Seconds,
     /// By place in the bundle.
     radiance: Vec<[f32; 3]>,
+    /// Where groups of places end that share; nothing where none do.
+    ends: Vec<u32>,
+    shares: bool,
 }
 
 /// Rays on their way, each with its path's past.
@@ -77,14 +80,17 @@ struct Paths {
 #[derive(Clone, Debug, Default)]
 struct Shadows {
     count: usize,
-    o: Columns3,
-    d: Columns3,
-    t_max: Column<f32>,
-    light: Columns3,
+    o: Columns3<FOURFOLD>,
+    d: Columns3<FOURFOLD>,
+    t_max: Column<f32, FOURFOLD>,
+    light: Columns3<FOURFOLD>,
     /// The plates where they begin and end.
-    plates: [Column<u32>; 2],
-    slot: Column<u32>,
+    plates: [Column<u32, FOURFOLD>; 2],
+    slot: Column<u32, FOURFOLD>,
 }
+
+/// Lights asked at the first point of a path that shares its second one; room is for four.
+const LIGHTS_ASKED: u32 = 4;
 
 impl Tracer {
     /// Radiance of one sample of each pixel, in their order: pass `pass` (from 0) of the pixels in
@@ -98,39 +104,80 @@ impl Tracer {
         each: &mut dyn FnMut(Rgb),
     ) {
         if !self.method.is_the_engines(M::MODEL) {
-            return self.sample_one_by_one::<M>(pixels, pass, scratch, each);
+            return self.sample_one_by_one::<M>(pixels, pass, 1, scratch, each);
         }
+        let mut some = Vec::with_capacity(BUNDLE);
         loop {
-            // Columns and rows lie where the slots and keys will be.
-            let paths = &mut scratch.bundle.paths;
-            let mut count = 0;
-            while count < BUNDLE
-                && let Some([x, y]) = pixels.next()
-            {
-                (paths.slot.0[count], paths.key.0[count]) = (x, y);
-                count += 1;
-            }
-            if count == 0 {
+            some.clear();
+            some.extend((&mut *pixels).take(BUNDLE));
+            if some.is_empty() {
                 return;
             }
-            self.follow::<M>(count, pass, scratch);
+            self.sample_together::<M>(&some, &[], pass, 1, scratch);
             for &radiance in &scratch.bundle.radiance {
                 each(radiance.into());
             }
         }
     }
 
+    /// The same for the pixels of a [`Hand`](super::Hand), which share as it says, and for blocks of
+    /// pixels instead of pixels, `block` on a side. Not for more than a hand's pixels.
+    pub fn sample_hand<M: Microfacet>(
+        &self,
+        hand: &Hand,
+        pass: u64,
+        block: u32,
+        scratch: &mut Scratch,
+        each: &mut dyn FnMut([u32; 2], Rgb),
+    ) {
+        if !self.method.is_the_engines(M::MODEL) {
+            let mut pixels = hand.pixels.iter();
+            let each = &mut |found| each(*pixels.next().expect("one a pixel"), found);
+            let pixels = &mut hand.pixels.iter().copied();
+            return self.sample_one_by_one::<M>(pixels, pass, block, scratch, each);
+        }
+        self.sample_together::<M>(&hand.pixels, &hand.ends, pass, block, scratch);
+        for (&pixel, &radiance) in hand.pixels.iter().zip(&scratch.bundle.radiance) {
+            each(pixel, radiance.into());
+        }
+    }
+
+    fn sample_together<M: Microfacet>(
+        &self,
+        pixels: &[[u32; 2]],
+        ends: &[u32],
+        pass: u64,
+        block: u32,
+        scratch: &mut Scratch,
+    ) {
+        // Columns and rows lie where the slots and keys will be.
+        let Bundle { paths, ends: all_ends, .. } = &mut *scratch.bundle;
+        for ((x, y), pixel) in paths.slot.0.iter_mut().zip(&mut paths.key.0).zip(pixels) {
+            [*x, *y] = *pixel;
+        }
+        all_ends.clear();
+        all_ends.extend_from_slice(ends);
+        self.follow::<M>(pixels.len().min(BUNDLE), pass, block, scratch);
+    }
+
     /// The paths of the bundle, from the camera to their ends.
-    fn follow<M: Microfacet>(&self, mut count: usize, pass: u64, scratch: &mut Scratch) {
+    fn follow<M: Microfacet>(
+        &self,
+        mut count: usize,
+        pass: u64,
+        block: u32,
+        scratch: &mut Scratch,
+    ) {
         let isa = self.scene.bvh().isa();
         let Scratch { stack, bundle, rays, capped } = scratch;
         bundle.radiance.clear();
         bundle.radiance.resize(count, [0.0; 3]);
-        if self.shares() {
+        bundle.shares = self.max_depth > 1 && !bundle.ends.is_empty();
+        if bundle.shares {
             bundle.firsts.there.0.fill(0);
             bundle.seconds.clear(count);
         }
-        dispatch(isa, Start { tracer: self, paths: &mut bundle.paths, count, pass });
+        dispatch(isa, Start { tracer: self, paths: &mut bundle.paths, count, pass, block });
         for event in 0.. {
             *rays += count as u64;
             dispatch(isa, Trace { tracer: self, bundle, count, stack });
@@ -145,29 +192,33 @@ impl Tracer {
                 break;
             }
             *rays += bundle.shadows.count as u64;
-            dispatch(isa, Ask { tracer: self, bundle, stack, sums: self.asked_at(event) });
+            let sums = bundle.asked_at(event);
+            dispatch(isa, Ask { tracer: self, bundle, stack, sums });
             if going == 0 {
                 break;
             }
             count = going;
         }
-        if self.shares() {
+        if bundle.shares {
             *rays += dispatch(isa, Join { tracer: self, bundle, stack });
             dispatch(isa, Share { tracer: self, bundle, model: PhantomData::<M> });
         }
     }
+}
 
-    /// Whether paths share their second points.
+impl Bundle {
+    /// How many lights are asked at this event. What is shared costs more than a light, so that a
+    /// few more of those pay where nobody shares.
     #[inline(always)]
-    fn shares(&self) -> bool {
-        self.method.group > 1 && self.max_depth > 1
+    fn lights_asked(&self, event: u32) -> u32 {
+        if self.shares && event == 0 { LIGHTS_ASKED } else { 1 }
     }
 
     /// Where light belongs that is asked for at this event.
     #[inline(always)]
     fn asked_at(&self, event: u32) -> Sums {
         match event {
-            1 if self.shares() => Sums::Asked,
+            1 if self.shares => Sums::Asked,
             _ => self.met_at(event),
         }
     }
@@ -176,7 +227,7 @@ impl Tracer {
     #[inline(always)]
     fn met_at(&self, event: u32) -> Sums {
         match event {
-            2.. if self.shares() => Sums::Reflected,
+            2.. if self.shares => Sums::Reflected,
             _ => Sums::Radiance,
         }
     }
@@ -199,19 +250,24 @@ struct Start<'a> {
     paths: &'a mut Paths,
     count: usize,
     pass: u64,
+    block: u32,
 }
 
 impl Kernel for Start<'_> {
     type Output = ();
     #[inline(always)]
     fn run<W: Wide, P: Packet>(self) {
-        let Start { tracer, paths, count, pass } = self;
+        let Start { tracer, paths, count, pass, block } = self;
+        let side = P::splat(block as f32);
         let eye = tracer.camera.eye().splat_lanes::<P>();
         for at in (0..count).step_by(P::WIDTH) {
             let (x, y) = (paths.slot.load::<P>(at), paths.key.load::<P>(at));
             let stream = Stream::new(tracer.seed, x, y, pass);
             let [dx, dy] = pair::<P>(&stream, Slot::CAMERA);
-            let d = tracer.camera.direction(P::from_small(x) + dx, P::from_small(y) + dy);
+            let d = tracer.camera.direction(
+                (P::from_small(x) + dx) * side,
+                (P::from_small(y) + dy) * side,
+            );
             paths.o.store(at, eye);
             paths.d.store(at, d);
             paths.beta.store(at, V3::splat(P::splat(1.0)));
@@ -290,8 +346,7 @@ impl Kernel for Join<'_> {
     type Output = u64;
     #[inline(always)]
     fn run<W: Wide, P: Packet>(self) -> u64 {
-        let group = self.tracer.method.group as usize;
-        self.tracer.join::<W, P>(self.bundle, group, self.stack)
+        self.tracer.join::<W, P>(self.bundle, self.stack)
     }
 }
 
@@ -306,7 +361,7 @@ impl<M: Microfacet> Kernel for Share<'_, M> {
     type Output = ();
     #[inline(always)]
     fn run<W: Wide, P: Packet>(self) {
-        self.tracer.share::<P, M>(self.bundle, self.tracer.method.group as usize);
+        self.tracer.share::<P, M>(self.bundle);
     }
 }
 

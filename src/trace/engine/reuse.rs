@@ -16,11 +16,13 @@
 //! Light that `x1` emits, that it finds by asking, and that `x2` emits stays with its own path.
 
 use super::surface::MaterialTable;
+use super::shade::is_black;
 use super::{Bundle, lowest};
 use crate::brdf::{Lobes, Microfacet, View};
 use crate::geometry::{Ray, Stack, SurfacePoint, offset_origin};
 use crate::math::columns::{BUNDLE, Column, Columns3};
 use crate::math::lanes::{Bits, Mask, Packet, Wide};
+use crate::math::special::INV_PI;
 use crate::math::{Frame, Rgb, V3};
 use crate::trace::Tracer;
 
@@ -160,39 +162,97 @@ impl Seconds {
         self.count += which.bits().count_ones() as usize;
     }
 
-    /// The bundle's places of the group that an entry belongs to begin here.
+    /// Whether any light arrives at the second point of this path.
     #[inline(always)]
-    fn base(&self, entry: usize, group: usize) -> usize {
-        self.slot.0[entry] as usize / group * group
+    fn is_lit(&self, slot: usize) -> bool {
+        let black = [0.0; 3];
+        self.light[slot] != black || self.emitted[slot] != black || self.reflected[slot] != black
+    }
+}
+
+/// The runs of places that share, one after the other.
+struct Runs<'a> {
+    ends: &'a [u32],
+    base: usize,
+    end: usize,
+}
+
+impl Runs<'_> {
+    fn new(ends: &[u32]) -> Runs<'_> {
+        Runs { ends, base: 0, end: 0 }
+    }
+
+    /// Goes on to the run that has this place; true where that is another one than before.
+    #[inline(always)]
+    fn reach(&mut self, slot: usize) -> bool {
+        let stays = slot < self.end;
+        while slot >= self.end {
+            let [end, rest @ ..] = self.ends else { return false };
+            (self.base, self.end, self.ends) = (self.end, *end as usize, rest);
+        }
+        !stays
+    }
+
+    fn len(&self) -> usize {
+        self.end - self.base
+    }
+}
+
+impl Firsts {
+    /// Corners of the box around the points of a run.
+    #[inline(always)]
+    fn bounds<P: Packet>(&self, run: &Runs) -> [V3; 2] {
+        let mut low = V3::splat(P::splat(f32::INFINITY));
+        let mut high = -low;
+        for first in (0..run.len()).step_by(P::WIDTH) {
+            let at = run.base + first;
+            let there = !P::equal_bits(self.there.load::<P>(at), P::Bits::splat(0));
+            let there = there & P::mask(lowest(run.len() - first));
+            let p = self.point.p.load::<P>(at);
+            low = V3::select(there, low.min(p), low);
+            high = V3::select(there, high.max(p), high);
+        }
+        let fold = |x: P, of: fn(f32, f32) -> f32| {
+            let mut lanes = [0.0; 16];
+            x.store(&mut lanes);
+            lanes[1..P::WIDTH].iter().fold(lanes[0], |a, b| of(a, *b))
+        };
+        let all = |v: V3<P>, of| V3::new(fold(v.x, of), fold(v.y, of), fold(v.z, of));
+        [all(low, f32::min), all(high, f32::max)]
     }
 }
 
 impl Tracer {
     /// Finds which first points see which second points of their groups. Returns the rays traced.
     #[inline(always)]
-    pub(super) fn join<W: Wide, P: Packet>(
-        &self,
-        bundle: &mut Bundle,
-        group: usize,
-        stack: &mut Stack,
-    ) -> u64 {
-        let Bundle { firsts, seconds, .. } = bundle;
-        let (bvh, geometry) = (self.scene.bvh(), self.scene.geometry());
+    pub(super) fn join<W: Wide, P: Packet>(&self, bundle: &mut Bundle, stack: &mut Stack) -> u64 {
+        let Bundle { firsts, seconds, ends, .. } = bundle;
+        let bvh = self.scene.bvh();
         let zero = P::splat(0.0);
         let mut rays = 0;
+        let mut run = Runs::new(ends);
+        let mut bounds = [V3::default(); 2];
         seconds.seen.clear();
         for entry in 0..seconds.count {
-            let base = seconds.base(entry, group);
-            let own = seconds.slot.0[entry] as usize - base;
+            let slot = seconds.slot.0[entry] as usize;
+            if run.reach(slot) {
+                bounds = firsts.bounds::<P>(&run);
+            }
+            let mut seen = 1u64 << (slot - run.base);
+            if !seconds.is_lit(slot) {
+                seconds.seen.push(seen);
+                continue;
+            }
+            let others = !seen;
             let splat = |v: &Columns3| V3::from(v.get(entry)).splat_lanes::<P>();
             let p2 = splat(&seconds.point.p);
             let error2 = splat(&seconds.point.error);
             let ng2 = splat(&seconds.point.ng);
             let ns2 = splat(&seconds.point.ns);
             let plate2 = P::Bits::splat(seconds.point.plate.0[entry]);
-            let mut seen = 1u64 << own;
-            for first in (0..group).step_by(P::WIDTH) {
-                let at = base + first;
+            let between = bvh.plates().between::<P>(seconds.point.p.get(entry).into(), bounds);
+            for first in (0..run.len()).step_by(P::WIDTH) {
+                let at = run.base + first;
                 let from = &firsts.point;
                 let there = !P::equal_bits(firsts.there.load::<P>(at), P::Bits::splat(0));
                 let (p1, ng1) = (from.p.load::<P>(at), from.ng.load::<P>(at));
@@ -202,7 +262,7 @@ impl Tracer {
                     & from.ns.load::<P>(at).dot(w).gt(zero)
                     & ng2.dot(w).lt(zero)
                     & ns2.dot(w).lt(zero);
-                let others = !((1u64 << own) >> first) as u32 & lowest(group - first);
+                let others = (others >> first) as u32 & lowest(run.len() - first);
                 let live = there & faces & P::mask(others);
                 if !live.any() {
                     continue;
@@ -212,28 +272,14 @@ impl Tracer {
                 let d = offset_origin(p2, error2, ng2, -w) - o;
                 let ends = [from.plate.load::<P>(at), plate2];
                 let t_max = P::splat(SHADOW_END);
-                let [blocked, open] = bvh.plates().occluded::<P>(o, d, t_max, ends, live, true);
+                let [blocked, open] =
+                    bvh.plates().occluded_by::<P>(between, o, d, t_max, ends, live);
                 let clear = (live & !blocked).bits();
                 let open = open.bits();
-                let mut unsure = clear & (open | bvh.meets_tree(o, d, t_max).bits());
+                let unsure = clear & (open | bvh.meets_tree(o, d, t_max).bits());
                 let mut free = clear & !unsure;
                 if unsure != 0 {
-                    let mut ray = [[0.0; 16]; 6];
-                    for (x, column) in [o.x, o.y, o.z, d.x, d.y, d.z].into_iter().zip(&mut ray) {
-                        x.store(column);
-                    }
-                    while unsure != 0 {
-                        let lane = unsure.trailing_zeros() as usize;
-                        unsure &= unsure - 1;
-                        let part = |i: usize| V3::new(ray[i][lane], ray[i + 1][lane], ray[i + 2][lane]);
-                        let ray = Ray { o: part(0), d: part(3) };
-                        let occluded = if open >> lane & 1 != 0 {
-                            bvh.occluded_with::<W>(geometry, &ray, SHADOW_END, stack)
-                        } else {
-                            bvh.occluded_but_plates::<W>(geometry, &ray, SHADOW_END, stack)
-                        };
-                        free |= u32::from(!occluded) << lane;
-                    }
+                    free |= self.clear_one_by_one::<W, P>([o, d], unsure, open, stack);
                 }
                 seen |= u64::from(free) << first;
             }
@@ -242,33 +288,74 @@ impl Tracer {
         rays
     }
 
+    /// Those of the rays that meet nothing, of the lanes for which plates alone could not tell.
+    #[inline(always)]
+    fn clear_one_by_one<W: Wide, P: Packet>(
+        &self,
+        [o, d]: [V3<P>; 2],
+        mut lanes: u32,
+        open: u32,
+        stack: &mut Stack,
+    ) -> u32 {
+        let (bvh, geometry) = (self.scene.bvh(), self.scene.geometry());
+        let mut parts = [[0.0; 16]; 6];
+        for (x, column) in [o.x, o.y, o.z, d.x, d.y, d.z].into_iter().zip(&mut parts) {
+            x.store(column);
+        }
+        let mut clear = 0;
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            lanes &= lanes - 1;
+            let part = |i: usize| V3::new(parts[i][lane], parts[i + 1][lane], parts[i + 2][lane]);
+            let ray = Ray { o: part(0), d: part(3) };
+            let occluded = if open >> lane & 1 != 0 {
+                bvh.occluded_with::<W>(geometry, &ray, SHADOW_END, stack)
+            } else {
+                bvh.occluded_but_plates::<W>(geometry, &ray, SHADOW_END, stack)
+            };
+            clear |= u32::from(!occluded) << lane;
+        }
+        clear
+    }
+
     /// Adds to each path what the second points of its group send its way.
     #[inline(always)]
-    pub(super) fn share<P: Packet, M: Microfacet>(&self, bundle: &mut Bundle, group: usize) {
-        let Bundle { firsts, seconds, radiance, .. } = bundle;
+    pub(super) fn share<P: Packet, M: Microfacet>(&self, bundle: &mut Bundle) {
+        let Bundle { firsts, seconds, ends, radiance, .. } = bundle;
         let materials = &self.tables.materials;
         let mut viewers: Vec<Viewers<P>> = Vec::with_capacity(LARGEST / P::WIDTH);
         let mut pairs = Pairs::default();
+        let mut run = Runs::new(ends);
         let mut entry = 0;
         while entry < seconds.count {
-            let base = seconds.base(entry, group);
+            run.reach(seconds.slot.0[entry] as usize);
             viewers.clear();
-            for at in (base..base + group).step_by(P::WIDTH) {
+            // As many as can be summed up in the same order by any width.
+            let places = run.base..run.base + run.len().next_multiple_of(16);
+            for at in places.step_by(P::WIDTH) {
                 viewers.push(Viewers::load::<M>(firsts, materials, at));
             }
-            while entry < seconds.count && seconds.base(entry, group) == base {
-                let second = Second::at(seconds, materials, entry);
-                second.send::<P, M>(firsts, base, &mut viewers, &mut pairs);
+            let matt = (run.base..run.end).all(|at| {
+                firsts.there.0[at] == 0 || materials.is_matt(firsts.point.material.0[at])
+            });
+            while entry < seconds.count && (seconds.slot.0[entry] as usize) < run.end {
+                if seconds.is_lit(seconds.slot.0[entry] as usize) {
+                    let second = Second::at(seconds, materials, entry);
+                    second.send::<P, M>(firsts, run.base, matt, &mut viewers, &mut pairs);
+                }
                 entry += 1;
             }
-            for (at, viewers) in (base..).step_by(P::WIDTH).zip(&viewers) {
+            for (at, viewers) in (run.base..run.end).step_by(P::WIDTH).zip(&viewers) {
+                let mut sum = viewers.sum;
+                if matt {
+                    sum = sum * viewers.view.lobes().kd;
+                }
                 let mut sums = [[0.0; 16]; 3];
-                for (x, column) in
-                    [viewers.sum.r, viewers.sum.g, viewers.sum.b].into_iter().zip(&mut sums)
-                {
+                for (x, column) in [sum.r, sum.g, sum.b].into_iter().zip(&mut sums) {
                     x.store(column);
                 }
-                for (lane, sum) in radiance.iter_mut().skip(at).take(P::WIDTH).enumerate() {
+                let places = radiance[at..run.end].iter_mut().take(P::WIDTH);
+                for (lane, sum) in places.enumerate() {
                     for (sum, column) in sum.iter_mut().zip(&sums) {
                         *sum += column[lane];
                     }
@@ -369,27 +456,30 @@ impl Second {
         }
     }
 
-    /// Adds to the viewers what this point sends them.
+    /// Adds to the viewers what this point sends them; where all of them are `matt`, what is still to
+    /// be multiplied by their reflectance.
     #[inline(always)]
     fn send<P: Packet, M: Microfacet>(
         &self,
         firsts: &Firsts,
         base: usize,
+        matt: bool,
         viewers: &mut [Viewers<P>],
         pairs: &mut Pairs,
     ) {
-        if self.light.is_black() && self.emitted.is_black() && self.reflected.is_black() {
-            return;
-        }
         let group = viewers.len() * P::WIDTH;
-        self.join::<P, M>(viewers, pairs);
         let own = self.slot - base;
-        // Its own path knows these from having sampled them, to more digits.
-        let density = firsts.pdf.0[self.slot] * pairs.geometry[own];
-        pairs.density[own] = density;
-        let beta = firsts.beta.get(self.slot);
-        for (carried, beta) in pairs.carried.iter_mut().zip(beta) {
-            carried[own] = beta * density;
+        if matt {
+            self.join_matt::<P>(viewers, pairs);
+        } else {
+            self.join::<P, M>(viewers, pairs);
+            // Its own path knows these from having sampled them, to more digits.
+            let density = firsts.pdf.0[self.slot] * pairs.geometry[own];
+            pairs.density[own] = density;
+            let beta = firsts.beta.get(self.slot);
+            for (carried, beta) in pairs.carried.iter_mut().zip(beta) {
+                carried[own] = beta * density;
+            }
         }
         let all = sum(&pairs.density, group);
         let per_all = 1.0 / all;
@@ -397,14 +487,14 @@ impl Second {
             return;
         }
         if self.lobes.ks.is_black() {
-            let [asked, sampled] = [self.asked.0, self.sampled.0].map(|wi| {
-                self.lobes.eval::<M>(V3::new(0.0, 0.0, 1.0), wi)
-            });
-            let towards = |f: Rgb| f * per_all;
-            let lo = self.from_asked(asked.pdf) * asked.f + self.from_sampled(sampled.pdf) * sampled.f;
-            let lo = towards(lo).splat_lanes::<P>();
+            let up = V3::new(0.0, 0.0, 1.0);
+            let [asked, sampled] =
+                [self.asked.0, self.sampled.0].map(|wi| self.lobes.eval::<M>(up, wi));
+            let asked = self.from_asked(asked.pdf) * asked.f;
+            let lo = (asked + self.from_sampled(sampled.pdf) * sampled.f) * per_all;
+            let lo = lo.splat_lanes::<P>();
             for (at, viewers) in (0..).step_by(P::WIDTH).zip(viewers) {
-                viewers.sum += pairs.carried_at::<P>(at) * lo;
+                viewers.sum += pairs.carried_at::<P>(at, matt) * lo;
             }
             return;
         }
@@ -425,7 +515,7 @@ impl Second {
         let sampled = (self.from_sampled(densities[1]) * per_all).splat_lanes::<P>();
         for (at, viewers) in (0..).step_by(P::WIDTH).zip(viewers) {
             let lo = pairs.f_at::<P>(0, at) * asked + pairs.f_at::<P>(1, at) * sampled;
-            viewers.sum += pairs.carried_at::<P>(at) * lo;
+            viewers.sum += pairs.carried_at::<P>(at, matt) * lo;
         }
     }
 
@@ -461,10 +551,27 @@ impl Second {
             let e = viewers.view.eval::<M>(local);
             let f = e.f * (local.z * geometry);
             geometry.store(&mut pairs.geometry[at..]);
+            // Where nothing is carried the path would have ended.
+            let seen = seen & !is_black(e.f);
             (e.pdf * geometry).or_zero(seen).store(&mut pairs.density[at..]);
             for (f, row) in [f.r, f.g, f.b].into_iter().zip(&mut pairs.carried) {
                 f.or_zero(seen).store(&mut row[at..]);
             }
+        }
+    }
+
+    /// [`Second::join`] where all first points are diffuse: BRDF and cosine over the reflectance
+    /// are the density.
+    #[inline(always)]
+    fn join_matt<P: Packet>(&self, viewers: &[Viewers<P>], pairs: &mut Pairs) {
+        let (p2, ng2) = (self.p.splat_lanes::<P>(), self.ng.splat_lanes::<P>());
+        for (at, viewers) in (0..).step_by(P::WIDTH).zip(viewers) {
+            let seen = P::mask((self.seen >> at) as u32);
+            let away = p2 - viewers.p;
+            let inverse2 = P::splat(1.0) / away.length2();
+            let cosines = viewers.frame.n.dot(away) * ng2.dot(away).abs() * inverse2;
+            let density = cosines * P::splat(INV_PI) * inverse2;
+            density.or_zero(seen).store(&mut pairs.density[at..]);
         }
     }
 
@@ -481,7 +588,8 @@ impl Second {
             let view = lobes.seen_from::<M>(wo);
             for (which, (wi, _)) in [self.asked, self.sampled].into_iter().enumerate() {
                 let e = view.eval::<M>(wi.splat_lanes());
-                e.pdf.or_zero(seen).store(&mut pairs.pdf[which][at..]);
+                let pdf = e.pdf.or_zero(seen & !is_black(e.f));
+                pdf.store(&mut pairs.pdf[which][at..]);
                 for (f, row) in [e.f.r, e.f.g, e.f.b].into_iter().zip(&mut pairs.f[which]) {
                     f.or_zero(seen).store(&mut row[at..]);
                 }
@@ -492,7 +600,10 @@ impl Second {
 
 impl Pairs {
     #[inline(always)]
-    fn carried_at<P: Packet>(&self, at: usize) -> Rgb<P> {
+    fn carried_at<P: Packet>(&self, at: usize, matt: bool) -> Rgb<P> {
+        if matt {
+            return Rgb::splat(P::load(&self.density[at..]));
+        }
         let [r, g, b] = &self.carried;
         Rgb::new(P::load(&r[at..]), P::load(&g[at..]), P::load(&b[at..]))
     }

@@ -27,7 +27,8 @@ impl Tracer {
         let geometry = self.scene.geometry();
         let Tables { materials, lights } = &self.tables;
         let asks = !lights.is_empty();
-        let (is_first, is_second) = (self.shares() && event == 0, self.shares() && event == 1);
+        let (is_first, is_second) = (bundle.shares && event == 0, bundle.shares && event == 1);
+        let asked_lights = bundle.lights_asked(event);
         let mut going = 0;
         bundle.shadows.count = 0;
         for at in (0..count).step_by(P::WIDTH) {
@@ -68,12 +69,16 @@ impl Tracer {
             let key = bundle.paths.key.load::<P>(at);
             let stream = Stream::again(key, pass);
             let view = material.lobes.seen_from::<M>(wo);
-            let [lobe_choice, light_choice] = stream.pair_bits(Slot::choice(event));
+            let [lobe_choice, _] = stream.pair_bits(Slot::choice(event));
 
             let mut towards_light = (wo, zero);
-            if asks {
+            let count = if asks { asked_lights } else { 0 };
+            for which in 0..count {
+                let stream = stream.one_of(count, which, pass);
+                let [_, light_choice] = stream.pair_bits(Slot::choice(event));
                 let u = pair::<P>(&stream, Slot::light(event));
-                let light = lights.sample::<P>(geometry, &point, &frame, light_choice, u);
+                let mut light = lights.sample::<P>(geometry, &point, &frame, light_choice, u);
+                light.pdf = light.pdf * P::splat(count as f32);
                 let wi = frame.to_local(light.wi);
                 let above = M::cosine(wi.z).gt(zero) & M::cosine(point.ng.dot(light.wi)).gt(zero);
                 let mut asked = go & light.found & above;
@@ -161,13 +166,14 @@ impl Tracer {
         }
         let mut light = beta * environment.splat_lanes();
         if event > 0 {
-            let other = self.tables.lights.environment_pdf(bundle.paths.cos.load::<P>(at));
-            if self.shares() && event == 2 {
+            let other = self.tables.lights.environment_pdf(bundle.paths.cos.load::<P>(at))
+                * P::splat(bundle.lights_asked(event - 1) as f32);
+            if bundle.shares && event == 2 {
                 return bundle.keep_emitted::<P>(at, missed.bits(), light, other);
             }
             light = light * power_heuristic(bundle.paths.pdf.load::<P>(at), other);
         }
-        let sums = self.met_at(event);
+        let sums = bundle.met_at(event);
         bundle.add::<P>(at, missed.bits(), light, sums);
     }
 
@@ -191,13 +197,13 @@ impl Tracer {
                 let (primitive, t) = (bundle.met.primitive.0[at + lane], bundle.met.t.0[at + lane]);
                 other[lane] = self.tables.lights.pdf(from, primitive, t, cosine[lane]);
             }
-            let other = P::load(&other);
-            if self.shares() && event == 2 {
+            let other = P::load(&other) * P::splat(bundle.lights_asked(event - 1) as f32);
+            if bundle.shares && event == 2 {
                 return bundle.keep_emitted::<P>(at, lanes, light, other);
             }
             light = light * power_heuristic(bundle.paths.pdf.load::<P>(at), other);
         }
-        let sums = self.met_at(event);
+        let sums = bundle.met_at(event);
         bundle.add::<P>(at, lanes, light, sums);
     }
 }
@@ -243,7 +249,7 @@ fn store<P: Packet>(light: Rgb<P>) -> [[f32; 16]; 3] {
 }
 
 #[inline(always)]
-fn is_black<P: Lane>(c: Rgb<P>) -> P::Mask {
+pub(super) fn is_black<P: Lane>(c: Rgb<P>) -> P::Mask {
     let zero = P::splat(0.0);
     c.r.equal(zero) & c.g.equal(zero) & c.b.equal(zero)
 }

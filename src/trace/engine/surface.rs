@@ -60,6 +60,12 @@ impl MaterialTable {
         }
     }
 
+    /// Whether a material has no specular lobe.
+    #[inline(always)]
+    pub(super) fn is_matt(&self, index: u32) -> bool {
+        self.0.record(index as usize)[3..6] == [0.0; 3]
+    }
+
     #[inline(always)]
     pub(super) fn get<P: Packet>(&self, index: P::Bits) -> Materials<P> {
         let f = self.0.get::<P>(index);
