@@ -96,7 +96,11 @@ fn describe_picture(path: &Path, recipe: &Recipe) -> Result<(), Failure> {
         line("tone", format_args!("{}, exposure {} EV", tone.curve, tone.exposure))?;
     }
     let tracer = if recipe.reference { "reference, " } else { "" };
-    line("tracer", format_args!("{tracer}{}", recipe.isa))?;
+    let group = match recipe.group {
+        0 | 1 => "every path for itself".to_owned(),
+        paths => format!("{paths} paths share"),
+    };
+    line("tracer", format_args!("{tracer}{}, {group}", recipe.isa))?;
     line("again", again(path, recipe))
 }
 

@@ -44,6 +44,8 @@ pub(super) struct Stats {
     /// The mistake made on purpose; null for none.
     pub(super) erratum: Option<&'static str>,
     pub(super) seed: u64,
+    /// How many neighbouring paths shared what they found; 1 for none.
+    pub(super) group: u32,
     /// Instruction set of the traversal.
     pub(super) isa: &'static str,
     pub(super) version: &'static str,

@@ -4,6 +4,7 @@ use burnish::brdf::{Erratum, Model, Normals, Roughness};
 use burnish::math::lanes::Isa;
 use burnish::picture::{Curve, Format, Tone};
 use burnish::progressive::{Params, Strategy};
+use burnish::trace::Group;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -117,6 +118,11 @@ pub(super) fn normals() -> impl TypedValueParser<Value = Normals> {
 /// An instruction set of this machine by its lower-case name.
 pub(super) fn isa() -> impl TypedValueParser<Value = Isa> {
     one_of(Isa::available(), Isa::name)
+}
+
+/// A number of paths that share.
+pub(super) fn group() -> impl TypedValueParser<Value = Group> {
+    one_of(Group::ALL.into_iter().skip(1), Group::name)
 }
 
 /// An erratum by its name.

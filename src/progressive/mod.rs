@@ -3,6 +3,7 @@
 mod canvas;
 mod outlet;
 mod params;
+mod pilot;
 mod recipe;
 mod session;
 mod snapshot;

@@ -66,6 +66,9 @@ pub struct Recipe {
     /// Whether the reference tracer was asked for.
     #[serde(default)]
     pub reference: bool,
+    /// How many neighbouring paths shared what they found; 1 for none.
+    #[serde(default = "alone")]
+    pub group: u32,
     /// Which of the independent pictures.
     pub seed: u64,
     /// Most scattering events.
@@ -85,6 +88,11 @@ pub struct Recipe {
     pub error: Option<ErrorRecipe>,
     /// How radiance became colour; in 8-bit pictures alone.
     pub tone: Option<ToneRecipe>,
+}
+
+/// Pictures from before paths shared.
+fn alone() -> u32 {
+    1
 }
 
 /// A scene by what was read.
@@ -206,6 +214,7 @@ impl Recipe {
             normals: params.normals.name().to_owned(),
             erratum: params.erratum.map(Erratum::name).map(str::to_owned),
             reference: params.reference,
+            group: snapshot.group.paths(),
             seed: params.seed,
             max_depth: params.max_depth,
             passes: snapshot.passes,
@@ -281,6 +290,10 @@ impl Recipe {
         if let Some(tone) = &self.tone {
             add("exposure", tone.exposure.to_string());
             add("tone", tone.curve.clone());
+        }
+        match self.group {
+            0 | 1 => all.push("--no-reuse".to_owned()),
+            paths => all.extend(["--group".to_owned(), paths.to_string()]),
         }
         if self.reference {
             all.push("--reference".to_owned());

@@ -2,6 +2,7 @@
 
 use crate::film::ErrorEstimate;
 use crate::picture::Picture;
+use crate::trace::Group;
 use std::sync::Arc;
 
 /// Side of a tile in pixels. Tiles on the right and bottom edge may be smaller.
@@ -126,6 +127,8 @@ pub struct Snapshot {
     pub counts: Counts,
     /// Error of the picture, once the replicates allow one.
     pub error: Option<ErrorEstimate>,
+    /// How many neighbouring paths share what they find.
+    pub group: Group,
     /// Seconds spent tracing in this epoch.
     pub seconds: f64,
     /// What the workers are doing.

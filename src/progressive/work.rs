@@ -3,6 +3,7 @@
 use super::outlet::Outlet;
 use super::session::{Options, Shared};
 use super::canvas::Canvas;
+use super::pilot;
 use super::{Counts, Params, ParamsError, Snapshot, State, TILE, TileGrid, TileImage};
 use crate::brdf::{Microfacet, ModelVisitor};
 use crate::film::{ErrorSums, Film};
@@ -13,7 +14,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Most passes that are traced before their samples are added up.
@@ -48,7 +49,8 @@ struct Epoch {
     number: u64,
     params: Params,
     tracer: Tracer,
-    group: Group,
+    /// Once it is decided.
+    group: OnceLock<Group>,
     grid: TileGrid,
     /// One a worker.
     scratch: Vec<Mutex<Scratch>>,
@@ -131,6 +133,7 @@ impl Workers {
         if self.options.preview && whole_passes(films) == 0 {
             self.preview(epoch, canvas);
         }
+        let Some(group) = self.group(epoch) else { return epoch.clock(false) };
         let pixels: u64 = epoch.params.size.map(u64::from).iter().product();
         while goes_on() {
             let done = whole_passes(films);
@@ -139,7 +142,7 @@ impl Workers {
             if done >= target {
                 break;
             }
-            self.passes(epoch, films, canvas, done..target);
+            self.passes(epoch, films, canvas, done..target, group);
             // The first whole pass is worth showing whenever it comes.
             if done == 0 && whole_passes(films) > 0 {
                 self.outlet.send(|| epoch.snapshot(State::Running, whole_passes(films)));
@@ -151,6 +154,21 @@ impl Workers {
         epoch.clock(false);
     }
 
+    /// How many paths share, found out if it is not known; `None` if it was to stop before.
+    fn group(&self, epoch: &Epoch) -> Option<Group> {
+        if let Some(&group) = epoch.group.get() {
+            return Some(group);
+        }
+        let found = Mutex::new(Vec::new());
+        let whole = self.for_each_task(epoch, pilot::tasks(), &|task, scratch| {
+            let result = task.run(&epoch.tracer, &epoch.params, scratch);
+            found.lock().unwrap_or_else(PoisonError::into_inner).push(result);
+        });
+        let found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let primitives = epoch.params.scene.geometry().len();
+        whole.then(|| *epoch.group.get_or_init(|| pilot::choose(found, primitives)))
+    }
+
     /// Some passes, in bands of as many rows as are worth it. Ends early when it is to.
     fn passes(
         &self,
@@ -158,10 +176,11 @@ impl Workers {
         films: &mut [Film],
         canvas: &mut Canvas,
         passes: Range<u64>,
+        group: Group,
     ) {
         let Params { size, seed, .. } = epoch.params;
         let deals: Vec<Deal> =
-            passes.clone().map(|pass| Deal::new(size, seed, pass, epoch.group)).collect();
+            passes.clone().map(|pass| Deal::new(size, seed, pass, group)).collect();
         canvas.prepare(size, deals.len());
         let columns = epoch.grid.columns_rows()[0] as usize;
         let rows = films.len() / columns;
@@ -265,7 +284,8 @@ impl Workers {
             block *= 2;
         }
         while block > 1 && self.shared.goes_on(epoch.number) {
-            let group = if epoch.group == Group::None { Group::None } else { PREVIEW_GROUP };
+            let apart = epoch.group.get() == Some(&Group::None);
+            let group = if apart { Group::None } else { PREVIEW_GROUP };
             let deal = Deal::new(coarse(block), seed, 0, group);
             canvas.prepare(coarse(block), 1);
             let [columns, rows] = deal.bundles();
@@ -328,11 +348,15 @@ impl Epoch {
         let mut shown = Vec::new();
         shown.resize_with(grid.len(), Shown::default);
         let scratch = (0..threads.max(1)).map(|_| Mutex::new(tracer.scratch())).collect();
-        let group = match params.group {
-            _ if !tracer.shares(params.model) => Group::None,
-            Some(group) => group,
-            None => std::env::var("G").ok().and_then(|g| g.parse().ok()).and_then(Group::of).unwrap_or(Group::ThirtyTwo),
+        let group = OnceLock::new();
+        let known = match params.group {
+            _ if !tracer.shares(params.model) => Some(Group::None),
+            given @ Some(_) => given,
+            None => None,
         };
+        if let Some(known) = known {
+            let _ = group.set(known);
+        }
         Epoch {
             number,
             params,
@@ -483,6 +507,7 @@ impl Epoch {
             passes,
             counts: Counts { paths, rays, nonfinite, capped },
             error: sums.estimate(pixels, passes),
+            group: self.group.get().copied().unwrap_or_default(),
             seconds: self.seconds(),
             state,
         }

@@ -40,9 +40,14 @@ impl Group {
         across * down
     }
 
-    /// The group of this many paths.
-    pub fn of(paths: u32) -> Option<Group> {
-        Group::ALL.into_iter().find(|group| group.paths() == paths)
+    /// How many paths it is, as the command line takes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Group::None => "1",
+            Group::Sixteen => "16",
+            Group::ThirtyTwo => "32",
+            Group::SixtyFour => "64",
+        }
     }
 
     fn shape(self) -> [u32; 2] {

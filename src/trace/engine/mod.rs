@@ -12,7 +12,7 @@ mod shade;
 mod surface;
 mod table;
 
-use super::{DEPTH_CAP, Hand, Scratch, Tracer};
+use super::{DEPTH_CAP, Effort, Hand, Scratch, Tracer};
 use crate::brdf::Microfacet;
 use crate::geometry::{NO_PLATE, Ray, Stack};
 use crate::math::columns::{BUNDLE, Column, Columns3, FOURFOLD};
@@ -169,7 +169,7 @@ impl Tracer {
         scratch: &mut Scratch,
     ) {
         let isa = self.scene.bvh().isa();
-        let Scratch { stack, bundle, rays, capped } = scratch;
+        let Scratch { stack, bundle, rays, capped, effort } = scratch;
         bundle.radiance.clear();
         bundle.radiance.resize(count, [0.0; 3]);
         bundle.shares = self.max_depth > 1 && !bundle.ends.is_empty();
@@ -180,7 +180,8 @@ impl Tracer {
         dispatch(isa, Start { tracer: self, paths: &mut bundle.paths, count, pass, block });
         for event in 0.. {
             *rays += count as u64;
-            dispatch(isa, Trace { tracer: self, bundle, count, stack });
+            effort.nearest += count as u64;
+            effort.alone += dispatch(isa, Trace { tracer: self, bundle, count, stack });
             let last = event >= self.max_depth || event >= DEPTH_CAP;
             let model = PhantomData::<M>;
             let shade = Shade { tracer: self, bundle, count, event, pass, last, model };
@@ -192,15 +193,20 @@ impl Tracer {
                 break;
             }
             *rays += bundle.shadows.count as u64;
+            effort.asked += bundle.shadows.count as u64;
             let sums = bundle.asked_at(event);
-            dispatch(isa, Ask { tracer: self, bundle, stack, sums });
+            effort.alone += dispatch(isa, Ask { tracer: self, bundle, stack, sums });
             if going == 0 {
                 break;
             }
             count = going;
         }
         if bundle.shares {
-            *rays += dispatch(isa, Join { tracer: self, bundle, stack });
+            let joined = dispatch(isa, Join { tracer: self, bundle, stack });
+            effort.pairs += joined.pairs;
+            effort.joined += joined.joined;
+            effort.alone += joined.alone;
+            *rays += joined.joined;
             dispatch(isa, Share { tracer: self, bundle, model: PhantomData::<M> });
         }
     }
@@ -289,13 +295,15 @@ struct Trace<'a> {
 }
 
 impl Kernel for Trace<'_> {
-    type Output = ();
+    /// How many went through the tree.
+    type Output = u64;
     #[inline(always)]
-    fn run<W: Wide, P: Packet>(self) {
+    fn run<W: Wide, P: Packet>(self) -> u64 {
         let Trace { tracer, bundle, count, stack } = self;
-        tracer.trace::<W, P>(bundle, count, stack);
+        let alone = tracer.trace::<W, P>(bundle, count, stack);
         bundle.met.fetch(tracer.scene.geometry(), &bundle.paths, count);
         bundle.met.resolve::<P>(&bundle.paths, count);
+        alone
     }
 }
 
@@ -328,10 +336,11 @@ struct Ask<'a> {
 }
 
 impl Kernel for Ask<'_> {
-    type Output = ();
+    /// How many went through the tree.
+    type Output = u64;
     #[inline(always)]
-    fn run<W: Wide, P: Packet>(self) {
-        self.tracer.ask::<W, P>(self.bundle, self.stack, self.sums);
+    fn run<W: Wide, P: Packet>(self) -> u64 {
+        self.tracer.ask::<W, P>(self.bundle, self.stack, self.sums)
     }
 }
 
@@ -343,9 +352,9 @@ struct Join<'a> {
 }
 
 impl Kernel for Join<'_> {
-    type Output = u64;
+    type Output = Effort;
     #[inline(always)]
-    fn run<W: Wide, P: Packet>(self) -> u64 {
+    fn run<W: Wide, P: Packet>(self) -> Effort {
         self.tracer.join::<W, P>(self.bundle, self.stack)
     }
 }
@@ -374,7 +383,13 @@ impl Paths {
 
 impl Tracer {
     #[inline(always)]
-    fn trace<W: Wide, P: Packet>(&self, bundle: &mut Bundle, count: usize, stack: &mut Stack) {
+    fn trace<W: Wide, P: Packet>(
+        &self,
+        bundle: &mut Bundle,
+        count: usize,
+        stack: &mut Stack,
+    ) -> u64 {
+        let mut alone = 0;
         let (bvh, geometry) = (self.scene.bvh(), self.scene.geometry());
         let plates = bvh.plates();
         let (paths, met) = (&bundle.paths, &mut bundle.met);
@@ -388,6 +403,7 @@ impl Tracer {
             if others == 0 {
                 continue;
             }
+            alone += u64::from(others.count_ones());
             let (mut t, mut within) = ([0.0; 16], [0.0; 16]);
             hits.t.store(&mut t);
             hits.within.store(&mut within);
@@ -412,10 +428,12 @@ impl Tracer {
                 met.set(at + lane, hit, plate);
             }
         }
+        alone
     }
 
     #[inline(always)]
-    fn ask<W: Wide, P: Packet>(&self, bundle: &mut Bundle, stack: &mut Stack, sums: Sums) {
+    fn ask<W: Wide, P: Packet>(&self, bundle: &mut Bundle, stack: &mut Stack, sums: Sums) -> u64 {
+        let mut alone = 0;
         let (bvh, geometry) = (self.scene.bvh(), self.scene.geometry());
         let shadows = &bundle.shadows;
         let sums = match sums {
@@ -433,6 +451,7 @@ impl Tracer {
             let tree = bvh.meets_tree(o, d, t_max).bits();
             let open = open.bits();
             let mut seen = (live & !blocked).bits();
+            alone += u64::from((seen & (open | tree)).count_ones());
             while seen != 0 {
                 let lane = seen.trailing_zeros() as usize;
                 seen &= seen - 1;
@@ -456,6 +475,7 @@ impl Tracer {
                 }
             }
         }
+        alone
     }
 }
 

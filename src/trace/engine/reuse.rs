@@ -24,7 +24,7 @@ use crate::math::columns::{BUNDLE, Column, Columns3};
 use crate::math::lanes::{Bits, Mask, Packet, Wide};
 use crate::math::special::INV_PI;
 use crate::math::{Frame, Rgb, V3};
-use crate::trace::Tracer;
+use crate::trace::{Effort, Tracer};
 
 /// Shadow rays end this close to 1: a distance along a ray is known to a few roundings of the whole.
 const SHADOW_END: f32 = 1.0 - 16.0 * f32::EPSILON;
@@ -223,13 +223,17 @@ impl Firsts {
 }
 
 impl Tracer {
-    /// Finds which first points see which second points of their groups. Returns the rays traced.
+    /// Finds which first points see which second points of their groups. Returns what was done for it.
     #[inline(always)]
-    pub(super) fn join<W: Wide, P: Packet>(&self, bundle: &mut Bundle, stack: &mut Stack) -> u64 {
+    pub(super) fn join<W: Wide, P: Packet>(
+        &self,
+        bundle: &mut Bundle,
+        stack: &mut Stack,
+    ) -> Effort {
         let Bundle { firsts, seconds, ends, .. } = bundle;
         let bvh = self.scene.bvh();
         let zero = P::splat(0.0);
-        let mut rays = 0;
+        let mut effort = Effort::default();
         let mut run = Runs::new(ends);
         let mut bounds = [V3::default(); 2];
         seconds.seen.clear();
@@ -244,6 +248,7 @@ impl Tracer {
                 continue;
             }
             let others = !seen;
+            effort.pairs += run.len() as u64;
             let splat = |v: &Columns3| V3::from(v.get(entry)).splat_lanes::<P>();
             let p2 = splat(&seconds.point.p);
             let error2 = splat(&seconds.point.error);
@@ -267,7 +272,7 @@ impl Tracer {
                 if !live.any() {
                     continue;
                 }
-                rays += u64::from(live.bits().count_ones());
+                effort.joined += u64::from(live.bits().count_ones());
                 let o = offset_origin(p1, from.error.load::<P>(at), ng1, w);
                 let d = offset_origin(p2, error2, ng2, -w) - o;
                 let ends = [from.plate.load::<P>(at), plate2];
@@ -279,13 +284,14 @@ impl Tracer {
                 let unsure = clear & (open | bvh.meets_tree(o, d, t_max).bits());
                 let mut free = clear & !unsure;
                 if unsure != 0 {
+                    effort.alone += u64::from(unsure.count_ones());
                     free |= self.clear_one_by_one::<W, P>([o, d], unsure, open, stack);
                 }
                 seen |= u64::from(free) << first;
             }
             seconds.seen.push(seen);
         }
-        rays
+        effort
     }
 
     /// Those of the rays that meet nothing, of the lanes for which plates alone could not tell.
