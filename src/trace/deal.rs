@@ -79,6 +79,20 @@ pub struct Hand {
     pub pixels: Vec<[u32; 2]>,
     /// Where each group of them ends; nothing where no pixels share.
     pub ends: Vec<u32>,
+    /// Which light is wanted.
+    pub part: Part,
+}
+
+/// Light by the way it came.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Part {
+    /// All of it.
+    #[default]
+    Whole,
+    /// What each path of those that share finds by itself.
+    Own,
+    /// What comes by way of the points that are shared.
+    Shared,
 }
 
 impl Deal {

@@ -18,7 +18,7 @@ use crate::brdf::{Erratum, Lobes, Model, Normals};
 use crate::geometry::Stack;
 use crate::math::{Lane, Rgb};
 use crate::scene::{Camera, CameraRays, Material, Scene};
-pub use deal::{Deal, Group, Hand};
+pub use deal::{Deal, Group, Hand, Part};
 use engine::{Bundle, Tables};
 use light::Lights;
 use std::sync::Arc;

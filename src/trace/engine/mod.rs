@@ -12,7 +12,7 @@ mod shade;
 mod surface;
 mod table;
 
-use super::{DEPTH_CAP, Effort, Hand, Scratch, Tracer};
+use super::{DEPTH_CAP, Effort, Hand, Part, Scratch, Tracer};
 use crate::brdf::Microfacet;
 use crate::geometry::{NO_PLATE, Ray, Stack};
 use crate::math::columns::{BUNDLE, Column, Columns3, FOURFOLD};
@@ -54,6 +54,7 @@ pub(super) struct Bundle {
     /// Where groups of places end that share; nothing where none do.
     ends: Vec<u32>,
     shares: bool,
+    part: Part,
 }
 
 /// Rays on their way, each with its path's past.
@@ -136,7 +137,9 @@ impl Tracer {
             let pixels = &mut hand.pixels.iter().copied();
             return self.sample_one_by_one::<M>(pixels, pass, block, scratch, each);
         }
+        scratch.bundle.part = hand.part;
         self.sample_together::<M>(&hand.pixels, &hand.ends, pass, block, scratch);
+        scratch.bundle.part = Part::Whole;
         for (&pixel, &radiance) in hand.pixels.iter().zip(&scratch.bundle.radiance) {
             each(pixel, radiance.into());
         }
@@ -200,6 +203,11 @@ impl Tracer {
                 break;
             }
             count = going;
+        }
+        match bundle.part {
+            Part::Shared if bundle.shares => bundle.radiance.fill([0.0; 3]),
+            Part::Own => return,
+            _ => {}
         }
         if bundle.shares {
             let joined = dispatch(isa, Join { tracer: self, bundle, stack });

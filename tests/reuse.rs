@@ -1,0 +1,214 @@
+//! Paths that share: the same light with less noise, in any company and on any instruction set.
+
+mod support;
+
+use burnish::brdf::{Microfacet, Model, ModelVisitor};
+use burnish::math::Rgb;
+use burnish::math::lanes::Isa;
+use burnish::progressive::{Params, render};
+use burnish::scene::builtin::Example;
+use burnish::scene::{Camera, Material, Scene, SceneBuilder};
+use burnish::trace::{Deal, Group, Hand, Part, Scratch, Tracer};
+use glam::DVec3;
+use std::sync::Arc;
+use support::Mean;
+
+const SHARED: [Group; 3] = [Group::Sixteen, Group::ThirtyTwo, Group::SixtyFour];
+
+/// Glossy and diffuse bodies that touch, a lamp that also reflects, and a sky.
+fn touching() -> Scene {
+    let mut b = SceneBuilder::new("touching");
+    let floor = Material::reflecting("floor", [0.5, 0.4, 0.3], [0.1; 3], 300.0).unwrap();
+    let floor = b.material(floor);
+    let wall = b.material(Material::reflecting("wall", [0.7, 0.7, 0.2], [0.0; 3], 1.0).unwrap());
+    let metal = b.material(Material::reflecting("metal", [0.0; 3], [0.9; 3], 2000.0).unwrap());
+    let lamp = Material {
+        emission: [6.0, 5.0, 4.0],
+        ..Material::reflecting("lamp", [0.3; 3], [0.2; 3], 40.0).unwrap()
+    };
+    let lamp = b.material(lamp);
+    b.cuboid(DVec3::new(-2.0, -2.0, 0.0), DVec3::new(4.0, 4.0, -0.1), floor).unwrap();
+    b.cuboid(DVec3::new(-2.0, 1.0, 0.0), DVec3::new(4.0, 0.1, 2.0), wall).unwrap();
+    b.cuboid(DVec3::new(-0.9, 0.2, 0.0), DVec3::new(0.5, 0.5, 0.7), metal).unwrap();
+    b.sphere(DVec3::new(0.4, 0.3, 0.5), 0.5, metal).unwrap();
+    b.sphere(DVec3::new(-0.2, -0.4, 0.15), 0.15, wall).unwrap();
+    b.cylinder(DVec3::new(0.9, -0.3, 0.0), DVec3::Z * 0.4, 0.2, lamp).unwrap();
+    b.environment = [0.1, 0.15, 0.2];
+    let eye = DVec3::new(0.2, -2.4, 1.1);
+    b.camera = Some(Camera::look_at(eye, DVec3::new(0.0, 0.3, 0.4), 0.5).unwrap());
+    b.build()
+}
+
+fn scenes() -> Vec<Scene> {
+    let shipped =
+        ["default", "cornell"].map(|name| Example::named(name).unwrap().read().unwrap().0.build());
+    std::iter::once(touching()).chain(shipped).collect()
+}
+
+/// A pass of a bundle.
+struct Pass<'a>(&'a Tracer, &'a Hand, u64, &'a mut Scratch);
+
+impl ModelVisitor for Pass<'_> {
+    type Output = Vec<Rgb>;
+    fn visit<M: Microfacet>(self) -> Vec<Rgb> {
+        let mut found = Vec::new();
+        self.0.sample_hand::<M>(self.1, self.2, 1, self.3, &mut |_, sample| found.push(sample));
+        found
+    }
+}
+
+fn hands(deal: &Deal) -> Vec<Hand> {
+    let [columns, rows] = deal.bundles();
+    let all = (0..rows).flat_map(|y| (0..columns).map(move |x| [x, y]));
+    let hand = |at| {
+        let mut hand = Hand::default();
+        deal.bundle(at, &mut hand);
+        hand
+    };
+    all.map(hand).collect()
+}
+
+/// The light over a quarter of the picture and in all of it: with and without sharing it is the same
+/// to within 4.5 standard errors of the difference (some 70 comparisons), and the error of a pixel
+/// is less than half.
+#[test]
+fn sharing_changes_the_noise_and_nothing_else() {
+    let (size, passes) = ([48, 36], 48);
+    for (i, scene) in scenes().into_iter().enumerate() {
+        let scene = Arc::new(scene);
+        for (j, group) in SHARED.into_iter().enumerate() {
+            let model = Model::ALL[(i + j) % 3];
+            let params = Params { size, model, ..Params::new(scene.clone()) };
+            let mut means = Vec::new();
+            for group in [Group::None, group] {
+                // Passes of different seeds are independent, however alike the pixels of one are.
+                let mut quarters: Vec<Mean> = (0..5).map(|_| Mean::default()).collect();
+                let mut spread = 0.0;
+                for seed in 0..passes {
+                    let params = Params { seed, group: Some(group), ..params.clone() };
+                    let picture = render(params, 4, 1).unwrap();
+                    let mut sums = [0.0; 5];
+                    for (k, pixel) in picture.mean().pixels.iter().enumerate() {
+                        let light = f64::from(pixel.iter().sum::<f32>());
+                        sums[k % 48 / 24 + 2 * (k / 48 / 18)] += light;
+                        sums[4] += light;
+                    }
+                    sums.into_iter().zip(&mut quarters).for_each(|(sum, mean)| mean.add(sum));
+                    let error = picture.error.unwrap();
+                    spread += error.rel_mse.value;
+                    assert_eq!((picture.counts.nonfinite, picture.group), (0, group));
+                }
+                means.push((quarters, spread));
+            }
+            let name = format!("{} {model:?} {group:?}", scene.name());
+            let [(apart, noise), (shared, less)] = means.try_into().ok().unwrap();
+            for (part, (a, b)) in apart.iter().zip(&shared).enumerate() {
+                let error = a.standard_error().hypot(b.standard_error());
+                let off = (a.mean - b.mean) / error;
+                assert!(off.abs() < 4.5, "{name}, part {part}: {} and {}: {off}", a.mean, b.mean);
+                assert!(error < 0.02 * a.mean, "{name}, part {part}: too noisy to tell");
+            }
+            assert!(less < 0.5 * noise, "{name}: {less} of {noise}");
+        }
+    }
+}
+
+/// What is each path's own and what is shared are all there is.
+#[test]
+fn the_parts_make_up_the_whole() {
+    for scene in scenes() {
+        let params = Params { size: [64, 48], ..Params::new(Arc::new(scene)) };
+        let tracer = params.tracer();
+        let mut scratch = tracer.scratch();
+        for mut hand in hands(&Deal::new(params.size, 2, 5, Group::ThirtyTwo)) {
+            let [whole, own, shared] = [Part::Whole, Part::Own, Part::Shared].map(|part| {
+                hand.part = part;
+                params.model.visit(Pass(&tracer, &hand, 5, &mut scratch))
+            });
+            for ((whole, own), shared) in whole.into_iter().zip(own).zip(shared) {
+                let (sum, whole) = ((own + shared).luminance(), whole.luminance());
+                assert!((sum - whole).abs() <= 1e-5 * (sum + whole), "{sum} {whole}");
+            }
+        }
+    }
+}
+
+/// A group of paths gets the same bits alone as among others of its bundle.
+#[test]
+fn a_group_can_be_traced_again_alone() {
+    let params = Params { size: [70, 50], ..Params::new(Arc::new(touching())) };
+    for (model, group) in Model::ALL.into_iter().zip(SHARED) {
+        let params = Params { model, ..params.clone() };
+        let tracer = params.tracer();
+        let mut scratch = tracer.scratch();
+        for hand in hands(&Deal::new(params.size, 0, 7, group)) {
+            let together = params.model.visit(Pass(&tracer, &hand, 7, &mut scratch));
+            let mut start = 0;
+            for &end in &hand.ends {
+                let places = start..end as usize;
+                let pixels = hand.pixels[places.clone()].to_vec();
+                let ends = vec![pixels.len() as u32];
+                let alone = Hand { pixels, ends, part: Part::Whole };
+                let again = params.model.visit(Pass(&tracer, &alone, 7, &mut scratch));
+                assert!(again == together[places], "{model:?} {group:?}");
+                start = end as usize;
+            }
+        }
+    }
+}
+
+/// AVX2 and AVX-512 give the same bits; the portable set all but a few of them within rounding, for
+/// it may turn a decision.
+#[test]
+fn instruction_sets_agree() {
+    for mut scene in scenes() {
+        let mut found: Vec<Vec<Rgb>> = Vec::new();
+        for isa in Isa::available() {
+            scene.set_isa(isa);
+            let shared = Arc::new(scene);
+            let params = Params { size: [50, 40], ..Params::new(shared.clone()) };
+            let tracer = params.tracer();
+            let mut scratch = tracer.scratch();
+            let mut all = Vec::new();
+            for (pass, group) in (0..).zip(SHARED) {
+                for hand in hands(&Deal::new(params.size, 0, pass, group)) {
+                    all.extend(params.model.visit(Pass(&tracer, &hand, pass, &mut scratch)));
+                }
+            }
+            found.push(all);
+            drop((params, tracer));
+            scene = Arc::into_inner(shared).expect("nobody else holds it");
+        }
+        assert!(found.iter().skip(1).all(|f| *f == found[1]), "{}", scene.name());
+        let near = |(a, b): (&Rgb, &Rgb)| {
+            (a.luminance() - b.luminance()).abs() <= 1e-2 * (a.luminance() + b.luminance()) + 1e-6
+        };
+        if let [portable, wide, ..] = found.as_slice() {
+            let same = portable.iter().zip(wide).filter(|pair| near(*pair)).count();
+            // A decision turned anywhere in a group is felt by all of it.
+            assert!(same * 100 >= wide.len() * 80, "{}: {same} of {}", scene.name(), wide.len());
+        }
+    }
+}
+
+/// The pilot decides by the parameters alone, and a group that was asked for is taken.
+#[test]
+fn the_size_of_group_is_part_of_the_picture() {
+    let scene = Arc::new(touching());
+    let params = Params { size: [60, 40], ..Params::new(scene) };
+    let chosen = render(params.clone(), 2, 1).unwrap();
+    for threads in [2, 5] {
+        let again = render(params.clone(), 2, threads).unwrap();
+        assert_eq!((again.group, again.mean()), (chosen.group, chosen.mean()));
+    }
+    assert_ne!(chosen.group, Group::None, "indirect light is worth sharing");
+    for group in Group::ALL {
+        let given = render(Params { group: Some(group), ..params.clone() }, 2, 2).unwrap();
+        assert_eq!(given.group, group);
+        assert_eq!(given.mean() == chosen.mean(), group == chosen.group);
+    }
+    let direct = render(Params { max_depth: Some(1), ..params.clone() }, 2, 2).unwrap();
+    assert_eq!(direct.group, Group::None, "there is nothing to share");
+    let reference = render(Params { reference: true, ..params }, 2, 2).unwrap();
+    assert_eq!(reference.group, Group::None);
+}
