@@ -73,7 +73,7 @@ fn hands(deal: &Deal) -> Vec<Hand> {
 /// is less than half.
 #[test]
 fn sharing_changes_the_noise_and_nothing_else() {
-    let (size, passes) = ([48, 36], 48);
+    let (size, passes) = ([48, 36], 96);
     for (i, scene) in scenes().into_iter().enumerate() {
         let scene = Arc::new(scene);
         for (j, group) in SHARED.into_iter().enumerate() {
@@ -106,7 +106,7 @@ fn sharing_changes_the_noise_and_nothing_else() {
                 let error = a.standard_error().hypot(b.standard_error());
                 let off = (a.mean - b.mean) / error;
                 assert!(off.abs() < 4.5, "{name}, part {part}: {} and {}: {off}", a.mean, b.mean);
-                assert!(error < 0.02 * a.mean, "{name}, part {part}: too noisy to tell");
+                assert!(error < 0.025 * a.mean, "{name}, part {part}: too noisy to tell");
             }
             assert!(less < 0.5 * noise, "{name}: {less} of {noise}");
         }
@@ -194,8 +194,8 @@ fn instruction_sets_agree() {
 /// The pilot decides by the parameters alone, and a group that was asked for is taken.
 #[test]
 fn the_size_of_group_is_part_of_the_picture() {
-    let scene = Arc::new(touching());
-    let params = Params { size: [60, 40], ..Params::new(scene) };
+    let scene = Example::named("cornell").unwrap().read().unwrap().0.build();
+    let params = Params { size: [60, 40], ..Params::new(Arc::new(scene)) };
     let chosen = render(params.clone(), 2, 1).unwrap();
     for threads in [2, 5] {
         let again = render(params.clone(), 2, threads).unwrap();

@@ -97,10 +97,12 @@ impl Task {
 pub(super) fn choose(mut found: Vec<Found>, primitives: usize) -> Group {
     // In an order that does not depend on who was first.
     found.sort_by_key(|f| (f.task.which, f.task.trial));
+    // Light as the quietest of the trials have it.
+    let quiet = [Trial::Own, Trial::Shared(Group::SixtyFour)];
     let means: Vec<Vec<[f64; 3]>> = (0..BUNDLES)
         .map(|which| {
-            let apart = |f: &&Found| f.task.which == which && f.task.trial == Trial::Apart;
-            found.iter().find(apart).map_or_else(Vec::new, |f| mean(&f.samples))
+            let these = |f: &&Found| f.task.which == which && quiet.contains(&f.task.trial);
+            mean(found.iter().filter(these).flat_map(|f| &f.samples))
         })
         .collect();
     let of = |trial: Trial| found.iter().filter(move |f| f.task.trial == trial);
@@ -121,11 +123,12 @@ pub(super) fn choose(mut found: Vec<Found>, primitives: usize) -> Group {
     least.map_or(Group::None, |i| Group::ALL[i])
 }
 
-/// The mean of each pixel.
-fn mean(samples: &[Vec<Rgb>]) -> Vec<[f64; 3]> {
-    let mut means = vec![[0.0; 3]; samples.first().map_or(0, Vec::len)];
-    for samples in samples {
-        for (mean, sample) in means.iter_mut().zip(samples) {
+/// The mean of each pixel over the times; what was traced at one time adds up.
+fn mean<'a>(samples: impl Iterator<Item = &'a Vec<Rgb>>) -> Vec<[f64; 3]> {
+    let mut means = Vec::new();
+    for sample in samples {
+        means.resize(sample.len(), [0.0; 3]);
+        for (mean, sample) in means.iter_mut().zip(sample) {
             for (mean, x) in mean.iter_mut().zip(<[f32; 3]>::from(*sample)) {
                 *mean += f64::from(x) / TIMES as f64;
             }
@@ -134,8 +137,8 @@ fn mean(samples: &[Vec<Rgb>]) -> Vec<[f64; 3]> {
     means
 }
 
-/// Variance of a sample, summed over the pixels: of each against its neighbours' light, for one
-/// pixel's mean of four is as uncertain as that.
+/// Variance of a sample, summed over the pixels: of each against its light, as far as four samples
+/// tell it, but at least against that of all of them, for four may have missed it.
 fn spread(samples: &[Vec<Rgb>], means: &[[f64; 3]]) -> f64 {
     let count = samples.len() as f64;
     let channel = |s: &[Rgb], pixel: usize, c: usize| f64::from(<[f32; 3]>::from(s[pixel])[c]);
@@ -146,6 +149,7 @@ fn spread(samples: &[Vec<Rgb>], means: &[[f64; 3]]) -> f64 {
             let values = samples.iter().map(|s| channel(s, pixel, c));
             let mean = values.clone().sum::<f64>() / count;
             let squares: f64 = values.map(|x| (x - mean) * (x - mean)).sum();
+            let light = light.max(means[pixel][c]);
             let term = squares / (count - 1.0) / (light * light + REL_MSE_FLOOR);
             all += if term.is_finite() { term } else { 0.0 };
         }

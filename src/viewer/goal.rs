@@ -124,6 +124,7 @@ mod tests {
             counts: Counts { paths: 10_000, ..Counts::default() },
             error,
             seconds: 20.0,
+            group: burnish::trace::Group::None,
             state: State::Running,
         }
     }

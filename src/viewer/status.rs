@@ -195,6 +195,7 @@ mod tests {
             counts: Counts { paths: 3_000_000, ..Counts::default() },
             error: None,
             seconds: 2.0,
+            group: burnish::trace::Group::None,
             state: State::Running,
         };
         change(&mut snapshot);

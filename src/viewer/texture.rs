@@ -301,6 +301,7 @@ mod tests {
             counts: Counts::default(),
             error: None,
             seconds: 0.0,
+            group: burnish::trace::Group::None,
             state: State::Done,
         }
     }
