@@ -1,6 +1,6 @@
 //! Intervals: what the spread of a few numbers says about the truth.
 
-use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
 /// The probability of every interval of this crate.
 pub const CONFIDENCE: f64 = 0.95;
@@ -33,6 +33,13 @@ pub fn student(degrees_of_freedom: f64) -> f64 {
         .map_or(f64::INFINITY, |t| t.inverse_cdf(0.5 + 0.5 * CONFIDENCE))
 }
 
+/// The standard normal number that is as rare as Student's `t` with so many degrees of freedom.
+pub fn normal_score(t: f64, degrees_of_freedom: f64) -> f64 {
+    let Ok(student) = StudentsT::new(0.0, 1.0, degrees_of_freedom) else { return 0.0 };
+    let tail = student.cdf(-t.abs()).max(f64::MIN_POSITIVE);
+    -Normal::standard().inverse_cdf(tail).copysign(-t)
+}
+
 /// Where the ratio of two independent mean squares lies, the upper one of `upper`, the lower one
 /// of `lower` degrees of freedom (Fisher and Snedecor). Everywhere where there are none.
 pub fn ratio(upper: f64, lower: f64) -> Interval {
@@ -63,6 +70,16 @@ mod tests {
             let f = ratio(upper, lower);
             assert!((f.low - low).abs() < 2e-3 && (f.high - high).abs() < 2e-3, "{f:?}");
         }
+    }
+
+    /// P(|t| > 2.1315) is 5 % with 15 degrees of freedom, as is that of 1.96 normally.
+    #[test]
+    fn rare_as_students_is_rare_as_the_normal() {
+        for (t, z) in [(2.1315, 1.96), (-2.1315, -1.96), (0.0, 0.0), (2.9467, 2.5758)] {
+            assert!((normal_score(t, 15.0) - z).abs() < 1e-3, "{t}");
+        }
+        assert!((normal_score(3.0, 1e6) - 3.0).abs() < 1e-4);
+        assert!(normal_score(1e9, 15.0) > 8.0);
     }
 
     #[test]

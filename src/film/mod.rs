@@ -8,7 +8,7 @@ mod error;
 mod interval;
 
 pub use error::{DEGREES_OF_FREEDOM, ErrorEstimate, ErrorSums, Estimate, Figure, REL_MSE_FLOOR};
-pub use interval::{CONFIDENCE, Interval, ratio, student};
+pub use interval::{CONFIDENCE, Interval, normal_score, ratio, student};
 
 use crate::math::Rgb;
 use crate::math::sequence::REPLICATES;

@@ -97,6 +97,18 @@ pub struct Counts {
     pub capped: u64,
 }
 
+impl std::ops::Add for Counts {
+    type Output = Counts;
+    fn add(self, o: Counts) -> Counts {
+        Counts {
+            paths: self.paths + o.paths,
+            rays: self.rays + o.rays,
+            nonfinite: self.nonfinite + o.nonfinite,
+            capped: self.capped + o.capped,
+        }
+    }
+}
+
 /// What the workers are doing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum State {

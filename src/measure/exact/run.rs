@@ -2,18 +2,22 @@
 
 use super::stage::Stage;
 use super::{Case, ExactError, LeftOut, Table, all};
+use crate::film::normal_score;
 use crate::progressive::{Counts, Options, Params, Session, Snapshot, State};
 
 /// Standard errors that chance is allowed: outside once in 16,000.
 const SIGMAS: f64 = 4.0;
-/// Passes of the first look; a multiple of the replicates.
-const FIRST: u64 = 16;
+/// Pictures that each case is rendered to, of different seeds. Pixels of one picture share, so that
+/// their errors are alike; those of the pictures have nothing to do with each other.
+const PICTURES: u64 = 32;
+/// Passes of each at the first look.
+const FIRST: u64 = 2;
 
 /// When to stop.
 ///
 /// Passes are doubled until the standard error is small enough. The decision reads the standard
-/// error alone, which comes from some thousands of degrees of freedom and hardly varies: that it
-/// draws the mean towards runs of small spread is far below one standard error.
+/// error alone, which comes from 31 degrees of freedom and varies by an eighth: that it draws the
+/// mean towards runs of small spread is far below one standard error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Budget {
     /// Enough when the standard error is this fraction of the expected value. The mean has to be
@@ -103,7 +107,7 @@ impl Table {
             if outcome.standard_error > 5.0 * outcome.allowance {
                 let off = outcome.mean - outcome.case.expected;
                 summary.noisy += 1;
-                squares += (off / outcome.standard_error).powi(2);
+                squares += score(off, outcome.standard_error).powi(2);
             }
             each(&outcome);
         }
@@ -130,22 +134,31 @@ impl Case {
     pub fn run(&self, budget: Budget) -> Result<Outcome, ExactError> {
         let stage = self.seeded()?;
         let mut passes = FIRST;
-        let options = Options::headless(0);
-        let session = Session::with_options(stage.params.clone(), passes, options, || {})?;
+        let sessions: Vec<Session> = (0..PICTURES)
+            .map(|picture| {
+                let mut params = stage.params.clone();
+                params.seed = params.seed.wrapping_add(picture);
+                Session::with_options(params, passes, Options::headless(1), || {})
+            })
+            .collect::<Result<_, _>>()?;
         loop {
-            let snapshot = finished(&session, passes)?;
-            let spent = 2 * snapshot.counts.rays > budget.rays;
-            let outcome = self.judge(&stage, budget, &snapshot);
+            let snapshots: Vec<Snapshot> =
+                sessions.iter().map(|s| finished(s, passes)).collect::<Result<_, _>>()?;
+            let outcome = self.judge(&stage, budget, &snapshots);
+            let spent = 2 * outcome.counts.rays > budget.rays;
             if spent || outcome.resolved(budget) {
                 return Ok(outcome);
             }
             passes *= 2;
-            session.set_limit(passes);
+            for session in &sessions {
+                session.set_limit(passes);
+            }
         }
     }
 
-    fn judge(&self, stage: &Stage, budget: Budget, snapshot: &Snapshot) -> Outcome {
-        let (mean, standard_error) = whole(snapshot);
+    fn judge(&self, stage: &Stage, budget: Budget, snapshots: &[Snapshot]) -> Outcome {
+        let (mean, standard_error) = whole(snapshots);
+        let counts = snapshots.iter().fold(Counts::default(), |sum, s| sum + s.counts);
         let mean = (mean - stage.rest) / stage.share;
         let standard_error = standard_error / stage.share;
         let off = mean - self.expected;
@@ -154,13 +167,13 @@ impl Case {
             mean,
             standard_error,
             allowance,
-            sigmas: beyond(off, allowance) / standard_error.max(f64::MIN_POSITIVE),
+            sigmas: score(beyond(off, allowance), standard_error),
             relative_error: off / self.expected,
-            counts: snapshot.counts,
+            counts,
             verdict: Verdict::Unresolved,
             case: self.clone(),
         };
-        let close = outcome.sigmas.abs() <= SIGMAS && snapshot.counts.nonfinite == 0;
+        let close = outcome.sigmas.abs() <= SIGMAS && counts.nonfinite == 0;
         outcome.verdict = match outcome.is_told(budget) {
             true if close && off.abs() <= outcome.limit(budget) => Verdict::Agrees,
             false if close => Verdict::Unresolved,
@@ -205,15 +218,21 @@ fn finished(session: &Session, passes: u64) -> Result<Snapshot, ExactError> {
     Err(ExactError::Failed("the renderer stopped without a word".to_owned()))
 }
 
-/// Mean of the whole picture and its standard error. Everything here is grey: one channel is
-/// enough. Pixels are independent, so that their variances, each from few replicates, add up to one
-/// with many degrees of freedom.
-fn whole(snapshot: &Snapshot) -> (f64, f64) {
-    let (mut sum, mut variance, mut pixels) = (0.0, 0.0, 0.0);
-    for tile in snapshot.tiles.iter().flatten() {
-        sum += tile.mean.iter().map(|p| p[0] as f64).sum::<f64>();
-        variance += tile.standard_error.iter().map(|p| (p[0] as f64).powi(2)).sum::<f64>();
-        pixels += tile.mean.len() as f64;
-    }
-    (sum / pixels, variance.sqrt() / pixels)
+/// How many standard deviations of a normal number are as rare as this.
+fn score(off: f64, standard_error: f64) -> f64 {
+    normal_score(off / standard_error.max(f64::MIN_POSITIVE), (PICTURES - 1) as f64)
+}
+
+/// Mean of all pixels of all pictures and its standard error, by the spread of the pictures.
+/// Everything here is grey: one channel is enough.
+fn whole(pictures: &[Snapshot]) -> (f64, f64) {
+    let count = pictures.len() as f64;
+    let means = pictures.iter().map(|picture| {
+        let tiles = || picture.tiles.iter().flatten();
+        let sum: f64 = tiles().flat_map(|tile| &tile.mean).map(|p| f64::from(p[0])).sum();
+        sum / tiles().map(|tile| tile.mean.len()).sum::<usize>() as f64
+    });
+    let mean = means.clone().sum::<f64>() / count;
+    let squares: f64 = means.map(|m| (m - mean).powi(2)).sum();
+    (mean, (squares / (count * (count - 1.0))).sqrt())
 }

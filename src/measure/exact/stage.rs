@@ -4,7 +4,7 @@ use super::ExactError;
 use crate::brdf::Model;
 use crate::progressive::Params;
 use crate::scene::{Camera, Material, MaterialId, Mesh, SceneBuilder, ShapeError};
-use crate::trace::DEPTH_CAP;
+use crate::trace::{DEPTH_CAP, Group};
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
@@ -38,7 +38,9 @@ impl Stage {
     pub(super) fn new(mut builder: SceneBuilder, camera: Camera) -> Stage {
         builder.camera = Some(camera);
         builder.screen = SIZE;
-        let params = Params::new(Arc::new(builder.build()));
+        // Paths share, where they can: that is what a picture is made by.
+        let group = Some(Group::ThirtyTwo);
+        let params = Params { group, ..Params::new(Arc::new(builder.build())) };
         Stage { params, share: 1.0, rest: 0.0, bound: ROUNDING }
     }
 
