@@ -5,7 +5,7 @@ mod support;
 use burnish::brdf::{Microfacet, Model, ModelVisitor};
 use burnish::math::Rgb;
 use burnish::math::lanes::Isa;
-use burnish::progressive::{Params, render};
+use burnish::progressive::{Params, Replay, render};
 use burnish::scene::builtin::Example;
 use burnish::scene::{Camera, Material, Scene, SceneBuilder};
 use burnish::trace::{Deal, Group, Hand, Part, Scratch, Tracer};
@@ -211,4 +211,27 @@ fn the_size_of_group_is_part_of_the_picture() {
     assert_eq!(direct.group, Group::None, "there is nothing to share");
     let reference = render(Params { reference: true, ..params }, 2, 2).unwrap();
     assert_eq!(reference.group, Group::None);
+}
+
+/// A pixel of a picture is the mean of its samples, each traced again by itself.
+#[test]
+fn any_pixel_can_be_replayed() {
+    let params = Params { size: [40, 30], seed: 3, ..Params::new(Arc::new(touching())) };
+    for group in [None, Some(Group::None), Some(Group::SixtyFour)] {
+        let params = Params { group, ..params.clone() };
+        let picture = render(params.clone(), 4, 2).unwrap();
+        for pixel in [[0, 0], [17, 12], [39, 29]] {
+            let replays: Vec<Replay> =
+                (0..4).map(|pass| Replay::new(&params, pixel, pass).unwrap()).collect();
+            let own = |r: &Replay| <[f32; 3]>::from(r.samples[r.own].whole).map(f64::from);
+            let mut mean = [0.0; 3];
+            for replay in &replays {
+                assert_eq!((replay.group, replay.pixels[replay.own]), (picture.group, pixel));
+                mean.iter_mut().zip(own(replay)).for_each(|(mean, x)| *mean += x * 0.25);
+            }
+            let shown = picture.mean().pixels[(pixel[1] * 40 + pixel[0]) as usize];
+            assert_eq!(shown, mean.map(|x| x as f32), "{group:?} {pixel:?}");
+        }
+    }
+    assert_eq!(Replay::new(&params, [40, 0], 0), None);
 }

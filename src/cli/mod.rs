@@ -11,6 +11,7 @@ mod figures;
 mod info;
 mod interrupt;
 mod jobs;
+mod pixel;
 mod progress;
 mod render;
 mod report;
@@ -57,6 +58,7 @@ enum Command {
     Compare(compare::Args),
     Completions(completions::Args),
     Info(info::Args),
+    Pixel(pixel::Args),
     Render(Box<render::Args>),
     Report(report::Args),
 }
@@ -81,6 +83,7 @@ pub(crate) fn main() -> ExitCode {
         Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::Completions(args)) => completions::run(&args),
         Some(Command::Info(args)) => info::run(&args),
+        Some(Command::Pixel(args)) => pixel::run(&args),
         Some(Command::Render(args)) => render::run(&args, started),
         Some(Command::Report(args)) => report::run(&args),
     };

@@ -5,6 +5,7 @@ mod outlet;
 mod params;
 mod pilot;
 mod recipe;
+mod replay;
 mod session;
 mod snapshot;
 mod stop;
@@ -16,6 +17,7 @@ pub use params::{Params, ParamsError};
 pub use recipe::{
     ErrorRecipe, FileRecipe, MaterialRecipe, Recipe, RecipeError, SceneRecipe, ToneRecipe,
 };
+pub use replay::{Replay, Sample};
 pub use session::{Options, Session, render};
 pub use snapshot::{Counts, Snapshot, State, TILE, TileGrid, TileImage, TileRect};
 pub use stop::StopRule;

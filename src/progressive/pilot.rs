@@ -53,6 +53,12 @@ pub(super) fn tasks() -> Vec<Task> {
     (0..BUNDLES).flat_map(|which| trials().map(move |trial| Task { which, trial })).collect()
 }
 
+/// The size of group for these parameters, which must be such that paths can share.
+pub(super) fn decide(params: &Params, tracer: &Tracer, scratch: &mut Scratch) -> Group {
+    let found = tasks().into_iter().map(|task| task.run(tracer, params, scratch)).collect();
+    choose(found, params.scene.geometry().len())
+}
+
 impl Task {
     /// Does it.
     pub(super) fn run(self, tracer: &Tracer, params: &Params, scratch: &mut Scratch) -> Found {

@@ -155,6 +155,20 @@ impl Deal {
         [0, 1].map(|axis| (place[axis] + self.offset[axis]) / PLACES[axis])
     }
 
+    /// The pixels that this one, which must be in the picture, shares with.
+    pub fn group_of(&self, pixel: [u32; 2]) -> Hand {
+        if self.group == Group::None {
+            return Hand { pixels: vec![pixel], ..Hand::default() };
+        }
+        let mut hand = Hand::default();
+        self.bundle(self.bundle_of(pixel), &mut hand);
+        let at = hand.pixels.iter().position(|&p| p == pixel).unwrap_or(0);
+        let which = hand.ends.partition_point(|&end| end as usize <= at);
+        let start = which.checked_sub(1).map_or(0, |before| hand.ends[before] as usize);
+        let pixels = hand.pixels[start..hand.ends[which] as usize].to_vec();
+        Hand { ends: vec![pixels.len() as u32], pixels, part: Part::Whole }
+    }
+
     /// Columns or rows of the picture that some of the grid are.
     fn range(&self, axis: usize, start: u32, length: u32) -> Range<u32> {
         let inside = |at: u32| at.saturating_sub(self.offset[axis]).min(self.size[axis]);

@@ -1,0 +1,78 @@
+//! One sample of one pixel, traced again with those that it shared with.
+
+use super::{Params, pilot};
+use crate::brdf::{Microfacet, ModelVisitor};
+use crate::math::Rgb;
+use crate::trace::{Deal, Group, Hand, Part, Scratch, Tracer};
+
+/// A pixel's sample of a pass, and the group of pixels that it came from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Replay {
+    /// How many paths share.
+    pub group: Group,
+    /// Columns and rows of the group's pixels, from the top left; the pixel's alone where none
+    /// share. Fewer than the group's size at the picture's edges.
+    pub pixels: Vec<[u32; 2]>,
+    /// What each of them found, in the same order.
+    pub samples: Vec<Sample>,
+    /// The pixel's own place among them.
+    pub own: usize,
+}
+
+/// Radiance of a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// As the picture's pixel gets it.
+    pub whole: Rgb,
+    /// Of that, what came by the points that are shared.
+    pub shared: Rgb,
+}
+
+impl Replay {
+    /// Traces pass `pass` (from 0) of the pixel in column `x`, row `y` from the top, again: the same
+    /// bits as in any render of these parameters. `None` for a pixel outside the picture.
+    pub fn new(params: &Params, [x, y]: [u32; 2], pass: u64) -> Option<Replay> {
+        let [width, height] = params.size;
+        if x >= width || y >= height {
+            return None;
+        }
+        let tracer = params.tracer();
+        let mut scratch = tracer.scratch();
+        let group = match params.group {
+            _ if !tracer.shares(params.model) => Group::None,
+            Some(group) => group,
+            None => pilot::decide(params, &tracer, &mut scratch),
+        };
+        let mut hand = Deal::new(params.size, params.seed, pass, group).group_of([x, y]);
+        let mut trace = |part: Part| {
+            hand.part = part;
+            params.model.visit(Trace { tracer: &tracer, hand: &hand, pass, scratch: &mut scratch })
+        };
+        let whole = trace(Part::Whole);
+        let shared = match group {
+            Group::None => vec![Rgb::BLACK; whole.len()],
+            _ => trace(Part::Shared),
+        };
+        let samples =
+            whole.into_iter().zip(shared).map(|(whole, shared)| Sample { whole, shared }).collect();
+        let own = hand.pixels.iter().position(|&pixel| pixel == [x, y])?;
+        Some(Replay { group, pixels: hand.pixels, samples, own })
+    }
+}
+
+struct Trace<'a> {
+    tracer: &'a Tracer,
+    hand: &'a Hand,
+    pass: u64,
+    scratch: &'a mut Scratch,
+}
+
+impl ModelVisitor for Trace<'_> {
+    type Output = Vec<Rgb>;
+    fn visit<M: Microfacet>(self) -> Vec<Rgb> {
+        let Trace { tracer, hand, pass, scratch } = self;
+        let mut found = Vec::with_capacity(hand.pixels.len());
+        tracer.sample_hand::<M>(hand, pass, 1, scratch, &mut |_, sample| found.push(sample));
+        found
+    }
+}
