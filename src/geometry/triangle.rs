@@ -37,7 +37,7 @@ impl Pack {
 /// A ray in the form that the triangle test wants: the axis along which it runs fastest becomes z,
 /// and space is sheared so that the ray is that axis (Woop, Benthin and Wald, "Watertight
 /// ray/triangle intersection", JCGT 2:1, 2013).
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sheared {
     k: [usize; 3],
     o: [f32; 3],

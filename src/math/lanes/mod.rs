@@ -147,6 +147,18 @@ pub trait Wide: Lane {
     fn load(x: &[f32; 8]) -> Self;
     /// The eight numbers in order.
     fn store(self) -> [f32; 8];
+    /// The words of those lanes that the mask has, that of the largest number first, and beside
+    /// each its number as IEEE bits of which the last four are the lane's and of no meaning. The
+    /// numbers are not negative. Returns how many; what is left of the places holds anything.
+    fn far_first(
+        self,
+        mask: Self::Mask,
+        words: &[u32; 8],
+        numbers_out: &mut [u32; 8],
+        words_out: &mut [u32; 8],
+    ) -> usize;
+    /// Asks for the cache line at the start of a thing and for all others that it lies in.
+    fn prefetch<T>(thing: &T);
 }
 
 /// A lane type as wide as the machine's registers, with a way into memory and out of it: what

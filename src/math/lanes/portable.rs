@@ -181,4 +181,29 @@ impl Wide for F32x8 {
     fn store(self) -> [f32; 8] {
         self.0
     }
+    #[inline(always)]
+    fn far_first(
+        self,
+        mask: Mask8,
+        words: &[u32; 8],
+        numbers_out: &mut [u32; 8],
+        words_out: &mut [u32; 8],
+    ) -> usize {
+        let mut count = 0;
+        for lane in (0..8).filter(|lane| mask.0 >> lane & 1 != 0) {
+            let number = self.0[lane].to_bits() & !15 | lane as u32;
+            let mut place = count;
+            while place > 0 && numbers_out[place - 1] < number {
+                numbers_out[place] = numbers_out[place - 1];
+                words_out[place] = words_out[place - 1];
+                place -= 1;
+            }
+            numbers_out[place] = number;
+            words_out[place] = words[lane];
+            count += 1;
+        }
+        count
+    }
+    #[inline(always)]
+    fn prefetch<T>(_: &T) {}
 }
