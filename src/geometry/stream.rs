@@ -10,7 +10,7 @@ use super::bvh::{Bvh, Child, child};
 use super::traverse::{Slabs, Stack, is_traceable, quadric, take_nearer, take_nearest};
 use super::triangle::{self, Sheared};
 use super::{Geometry, Hit, Ray};
-use crate::math::lanes::{Kernel, Packet, Wide, dispatch};
+use crate::math::lanes::{Bits, Kernel, Lane, Mask, Packet, Wide, dispatch};
 
 /// A ray and how far it goes.
 #[derive(Clone, Copy, Debug)]
@@ -21,12 +21,14 @@ pub struct Query {
     pub t_max: f32,
 }
 
-/// Rays on their way at a time.
-const RAYS: usize = 16;
+/// Rays of a group; there are two, and while one is tested, memory fetches what the other needs.
+const GROUP: usize = 16;
 /// In place of a child: there is nothing left to visit.
 const DONE: u32 = (1 << 31) - 1;
 /// No hit.
 const NOTHING: u32 = u32::MAX;
+/// Places of a stack below the first that is used: they say that nothing is left.
+const FLOOR: usize = 8;
 
 /// A ray on its way.
 #[derive(Clone, Copy, Debug, Default)]
@@ -38,37 +40,36 @@ struct Traveller {
     query: u32,
     /// What it stands before.
     word: u32,
-    /// Places of its stack that are taken.
+    /// Places of its stack that are taken, the floor's among them.
     top: usize,
 }
 
 /// Memory for rays on their way.
 #[derive(Clone, Debug)]
 pub(super) struct Streams {
-    travellers: Box<[Traveller; RAYS]>,
+    travellers: Box<[Traveller; 2 * GROUP]>,
     /// Places of one stack.
     room: usize,
     /// Entry distances, with the last four bits of no meaning.
-    enter: Box<[u32]>,
+    enter: Box<[f32]>,
     words: Box<[u32]>,
 }
 
 impl Streams {
     pub(super) fn new(depth: usize) -> Streams {
-        // What says that nothing is left, what each level leaves behind, and eight places that may
-        // be written beyond the top.
-        let room = 1 + 7 * depth + 1 + 8;
+        // The floor, what each level leaves behind, and eight places that may be written beyond.
+        let room = (FLOOR + 7 * depth + 1 + 8).next_multiple_of(8);
         Streams {
-            travellers: Box::new([Traveller::default(); RAYS]),
+            travellers: Box::new([Traveller::default(); 2 * GROUP]),
             room,
-            enter: vec![0; RAYS * room].into(),
-            words: vec![0; RAYS * room].into(),
+            enter: vec![0.0; 2 * GROUP * room].into(),
+            words: vec![DONE; 2 * GROUP * room].into(),
         }
     }
 }
 
-/// Travellers by what they stand before.
-#[derive(Default)]
+/// Travellers of a group by what they stand before.
+#[derive(Clone, Copy, Default)]
 struct Lists {
     nodes: List,
     packs: List,
@@ -76,17 +77,21 @@ struct Lists {
     others: List,
 }
 
-#[derive(Default)]
+#[derive(Clone, Copy, Default)]
 struct List {
-    who: [u8; 2 * RAYS],
+    who: [u8; 2 * GROUP],
     len: usize,
 }
 
 impl List {
     #[inline(always)]
     fn push_if(&mut self, is: bool, who: usize) {
-        self.who[self.len % (2 * RAYS)] = who as u8;
+        self.who[self.len % (2 * GROUP)] = who as u8;
         self.len += is as usize;
+    }
+    #[inline(always)]
+    fn iter(&self) -> impl Iterator<Item = usize> + use<'_> {
+        self.who[..self.len].iter().map(|&who| who as usize % (2 * GROUP))
     }
 }
 
@@ -136,86 +141,83 @@ impl Bvh {
     ) {
         hits.clear();
         hits.resize(queries.len(), None);
-        let streams = &mut stack.1;
-        let room = streams.room;
+        let Streams { travellers, room, enter: distances, words } = &mut stack.1;
+        let room = *room;
         let mut next = 0;
-        let mut lists = Lists::default();
-        for who in 0..RAYS {
-            self.set_out::<W>(
-                &mut streams.travellers[who],
-                queries,
-                &mut next,
-                plates,
-                hits,
-                &mut lists,
-                who,
-            );
-            streams.words[who * room] = DONE;
+        let mut groups = [Lists::default(); 2];
+        let mut active = [0; 2];
+        for who in 0..2 * GROUP {
+            let Some(traveller) = self.set_out::<W>(queries, &mut next, plates, hits) else { break };
+            travellers[who] = traveller;
+            groups[who / GROUP].push(who, traveller.word);
+            active[who / GROUP] += 1;
         }
-        loop {
-            if lists.nodes.len + lists.packs.len + lists.others.len == 0 {
-                return;
-            }
-            for &who in &lists.packs.who[..lists.packs.len] {
-                if let Child::Pack(index) = child(streams.travellers[who as usize % RAYS].word) {
-                    W::prefetch(&self.packs[index]);
+        while active[0] + active[1] > 0 {
+            for (group, lists) in groups.iter_mut().enumerate() {
+                let (mut quadrics, mut moved) = (List::default(), List::default());
+                for who in lists.nodes.iter() {
+                    let traveller = &mut travellers[who];
+                    let node = &self.nodes[traveller.word as usize];
+                    let (enter, mask) = traveller.slabs.test::<W>(node, traveller.best.t);
+                    let top = who * room + traveller.top;
+                    let (Ok(distances), Ok(words)) = (
+                        (&mut distances[top..top + 8]).try_into(),
+                        (&mut words[top..top + 8]).try_into(),
+                    ) else {
+                        return;
+                    };
+                    traveller.top += enter.far_first(mask, &node.child, distances, words);
                 }
-            }
-            let (at_nodes, at_packs) =
-                (std::mem::take(&mut lists.nodes), std::mem::take(&mut lists.packs));
-            for &who in &at_nodes.who[..at_nodes.len] {
-                let who = who as usize % RAYS;
-                let traveller = &mut streams.travellers[who];
-                let node = &self.nodes[traveller.word as usize];
-                let (enter, mask) = traveller.slabs.test::<W>(node, traveller.best.t);
-                let top = who * room + traveller.top + 1;
-                let (numbers, words) =
-                    (&mut streams.enter[top..top + 8], &mut streams.words[top..top + 8]);
-                let (Ok(numbers), Ok(words)) = (numbers.try_into(), words.try_into()) else {
-                    return;
-                };
-                traveller.top += enter.far_first(mask, &node.child, numbers, words);
-                traveller.pop(
-                    &streams.enter[who * room..(who + 1) * room],
-                    &streams.words[who * room..(who + 1) * room],
-                );
-                lists.push(who, traveller.word);
-            }
-            for &who in &lists.nodes.who[..lists.nodes.len] {
-                W::prefetch(&self.nodes[streams.travellers[who as usize % RAYS].word as usize]);
-            }
-            for &who in &at_packs.who[..at_packs.len] {
-                let who = who as usize % RAYS;
-                let traveller = &mut streams.travellers[who];
-                let Child::Pack(index) = child(traveller.word) else { return };
-                take_nearest::<W>(&mut traveller.best, &self.packs[index], &traveller.sheared);
-                traveller.pop(
-                    &streams.enter[who * room..(who + 1) * room],
-                    &streams.words[who * room..(who + 1) * room],
-                );
-                lists.push(who, traveller.word);
-            }
-            let others = std::mem::take(&mut lists.others);
-            for &who in &others.who[..others.len] {
-                let who = who as usize % RAYS;
-                let traveller = &mut streams.travellers[who];
-                if traveller.word == DONE {
+                for who in lists.packs.iter() {
+                    let traveller = &mut travellers[who];
+                    let Child::Pack(index) = child(traveller.word) else { return };
+                    take_nearest::<W>(&mut traveller.best, &self.packs[index], &traveller.sheared);
+                }
+                for who in lists.others.iter() {
+                    let traveller = &mut travellers[who];
+                    if let Child::Quadric(primitive) = child(traveller.word)
+                        && traveller.word != DONE
+                    {
+                        let ray = &queries[traveller.query as usize].ray;
+                        if let Some(t) = quadric(geometry, primitive, ray, traveller.best.t) {
+                            take_nearer(&mut traveller.best, t, primitive, [0.0; 2]);
+                        }
+                        quadrics.push_if(true, who);
+                        continue;
+                    }
                     let best = traveller.best;
                     hits[traveller.query as usize] = (best.primitive != NOTHING).then_some(best);
-                    self.set_out::<W>(traveller, queries, &mut next, plates, hits, &mut lists, who);
-                    continue;
-                }
-                if let Child::Quadric(primitive) = child(traveller.word) {
-                    let ray = &queries[traveller.query as usize].ray;
-                    if let Some(t) = quadric(geometry, primitive, ray, traveller.best.t) {
-                        take_nearer(&mut traveller.best, t, primitive, [0.0; 2]);
+                    if let Some(traveller) = self.set_out::<W>(queries, &mut next, plates, hits) {
+                        travellers[who] = traveller;
+                        moved.push_if(true, who);
+                    } else {
+                        active[group] -= 1;
+                        travellers[who].query = NOTHING;
                     }
                 }
-                traveller.pop(
-                    &streams.enter[who * room..(who + 1) * room],
-                    &streams.words[who * room..(who + 1) * room],
-                );
-                lists.push(who, traveller.word);
+                let mut after = Lists::default();
+                for who in moved.iter() {
+                    after.push(who, travellers[who].word);
+                }
+                for old in [&lists.nodes, &lists.packs, &quadrics] {
+                    for who in old.iter() {
+                        let traveller = &mut travellers[who];
+                        traveller.pop::<W>(
+                            &distances[who * room..(who + 1) * room],
+                            &words[who * room..(who + 1) * room],
+                        );
+                        after.push(who, traveller.word);
+                    }
+                }
+                for who in after.nodes.iter() {
+                    W::prefetch(&self.nodes[travellers[who].word as usize]);
+                }
+                for who in after.packs.iter() {
+                    if let Child::Pack(index) = child(travellers[who].word) {
+                        W::prefetch(&self.packs[index]);
+                    }
+                }
+                *lists = after;
             }
         }
     }
@@ -224,18 +226,15 @@ impl Bvh {
     #[inline(always)]
     fn set_out<W: Wide>(
         &self,
-        traveller: &mut Traveller,
         queries: &[Query],
         next: &mut usize,
         plates: bool,
         hits: &mut [Option<Hit>],
-        lists: &mut Lists,
-        who: usize,
-    ) {
+    ) -> Option<Traveller> {
         while let Some(Query { ray, t_max }) = queries.get(*next) {
             let query = *next;
             *next += 1;
-            if !is_traceable(ray) {
+            if !is_traceable(ray) || !(*t_max > 0.0) {
                 continue;
             }
             let sheared = Sheared::new(ray.o, ray.d);
@@ -249,28 +248,36 @@ impl Bvh {
                 hits[query] = (best.primitive != NOTHING).then_some(best);
                 continue;
             };
-            *traveller = Traveller {
+            return Some(Traveller {
                 slabs: Slabs::new(ray),
                 sheared,
                 best,
                 query: query as u32,
                 word: root,
-                top: 0,
-            };
-            lists.push(who, root);
-            return;
+                top: FLOOR,
+            });
         }
+        None
     }
 }
 
 impl Traveller {
     /// Goes on to what was put aside last and does not lie beyond the best hit by now.
     #[inline(always)]
-    fn pop(&mut self, enter: &[u32], words: &[u32]) {
-        while self.top > 0 && f32::from_bits(enter[self.top] & !15) > self.best.t {
-            self.top -= 1;
+    fn pop<W: Wide>(&mut self, distances: &[f32], words: &[u32]) {
+        loop {
+            let Some(Ok(last)) = distances.get(self.top - 8..self.top).map(|d| d.try_into()) else {
+                return;
+            };
+            let known = W::from_bits(W::load(last).to_bits() & W::Bits::splat(!15));
+            let mask = known.le(W::splat(self.best.t)).bits();
+            if mask != 0 {
+                let place = self.top - 8 + (31 - mask.leading_zeros() as usize);
+                self.word = words[place];
+                self.top = place.max(FLOOR);
+                return;
+            }
+            self.top -= 8;
         }
-        self.word = words[self.top];
-        self.top = self.top.saturating_sub(1);
     }
 }

@@ -154,7 +154,7 @@ pub trait Wide: Lane {
         self,
         mask: Self::Mask,
         words: &[u32; 8],
-        numbers_out: &mut [u32; 8],
+        numbers_out: &mut [f32; 8],
         words_out: &mut [u32; 8],
     ) -> usize;
     /// Asks for the cache line at the start of a thing and for all others that it lies in.

@@ -186,12 +186,12 @@ impl Wide for F32x8 {
         self,
         mask: Mask8,
         words: &[u32; 8],
-        numbers_out: &mut [u32; 8],
+        numbers_out: &mut [f32; 8],
         words_out: &mut [u32; 8],
     ) -> usize {
         let mut count = 0;
         for lane in (0..8).filter(|lane| mask.0 >> lane & 1 != 0) {
-            let number = self.0[lane].to_bits() & !15 | lane as u32;
+            let number = f32::from_bits(self.0[lane].to_bits() & !15 | lane as u32);
             let mut place = count;
             while place > 0 && numbers_out[place - 1] < number {
                 numbers_out[place] = numbers_out[place - 1];

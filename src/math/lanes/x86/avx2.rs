@@ -195,12 +195,12 @@ impl Wide for Avx2 {
         self,
         mask: Avx2Mask,
         words: &[u32; 8],
-        numbers_out: &mut [u32; 8],
+        numbers_out: &mut [f32; 8],
         words_out: &mut [u32; 8],
     ) -> usize {
         let words = <Avx2 as Packet>::load_bits(words);
         // SAFETY: a value of this type exists only under AVX2 (module docs).
-        let (order, sorted) = unsafe {
+        let (sorted, sorted_words) = unsafe {
             let lanes = _mm256_setr_epi32(8, 9, 10, 11, 12, 13, 14, 15);
             let number = _mm256_andnot_si256(_mm256_set1_epi32(15), _mm256_castps_si256(self.0));
             let number = _mm256_or_si256(number, lanes);
@@ -222,10 +222,10 @@ impl Wide for Avx2 {
             step!(_mm256_permutevar8x32_epi32(x, reversed), 0b1111_0000);
             step!(_mm256_shuffle_epi32::<0b01_00_11_10>(x), 0b1100_1100);
             step!(_mm256_shuffle_epi32::<0b10_11_00_01>(x), 0b1010_1010);
-            (Avx2Bits(x), Avx2Bits(_mm256_permutevar8x32_epi32(words.0, x)))
+            (Avx2(_mm256_castsi256_ps(x)), Avx2Bits(_mm256_permutevar8x32_epi32(words.0, x)))
         };
-        <Avx2 as Packet>::store_bits(order, numbers_out);
-        <Avx2 as Packet>::store_bits(sorted, words_out);
+        Packet::store(sorted, numbers_out);
+        <Avx2 as Packet>::store_bits(sorted_words, words_out);
         mask.bits().count_ones() as usize
     }
     #[inline(always)]
