@@ -6,11 +6,12 @@
 //! tested, memory fetches what the others need. Which list a ray goes to next is arithmetic, not a
 //! branch. The tests are those of a single ray, so the hits are the same bits.
 
-use super::bvh::{Bvh, Child, child};
+use super::bvh::{Bvh, PACK, QUADRIC};
 use super::traverse::{Slabs, Stack, is_traceable, quadric, take_nearer, take_nearest};
 use super::triangle::{self, Sheared};
 use super::{Geometry, Hit, Ray};
 use crate::math::lanes::{Bits, Kernel, Lane, Mask, Packet, Wide, dispatch};
+use std::marker::PhantomData;
 
 /// A ray and how far it goes.
 #[derive(Clone, Copy, Debug)]
@@ -22,13 +23,15 @@ pub struct Query {
 }
 
 /// Rays of a group; there are two, and while one is tested, memory fetches what the other needs.
-const GROUP: usize = 16;
+const GROUP: usize = 8;
 /// In place of a child: there is nothing left to visit.
 const DONE: u32 = (1 << 31) - 1;
 /// No hit.
 const NOTHING: u32 = u32::MAX;
 /// Places of a stack below the first that is used: they say that nothing is left.
 const FLOOR: usize = 8;
+/// There is a hit, no matter where; nothing lies this side of it.
+const FOUND: Hit = Hit { t: f32::NEG_INFINITY, primitive: 0, b: [0.0; 2] };
 
 /// A ray on its way.
 #[derive(Clone, Copy, Debug, Default)]
@@ -62,7 +65,7 @@ impl Streams {
         Streams {
             travellers: Box::new([Traveller::default(); 2 * GROUP]),
             room,
-            enter: vec![0.0; 2 * GROUP * room].into(),
+            enter: vec![f32::NEG_INFINITY; 2 * GROUP * room].into(),
             words: vec![DONE; 2 * GROUP * room].into(),
         }
     }
@@ -104,8 +107,42 @@ impl Lists {
     }
 }
 
+/// What is asked about a ray.
+trait Goal {
+    type Answer: Copy;
+    const NONE: Self::Answer;
+    /// Whether one hit, wherever, ends the search.
+    const ANY: bool;
+    fn answer(best: Hit) -> Self::Answer;
+}
+
+struct Nearest;
+
+impl Goal for Nearest {
+    type Answer = Option<Hit>;
+    const NONE: Option<Hit> = None;
+    const ANY: bool = false;
+    #[inline(always)]
+    fn answer(best: Hit) -> Option<Hit> {
+        (best.primitive != NOTHING).then_some(best)
+    }
+}
+
+struct Any;
+
+impl Goal for Any {
+    type Answer = bool;
+    const NONE: bool = false;
+    const ANY: bool = true;
+    #[inline(always)]
+    fn answer(best: Hit) -> bool {
+        best.primitive != NOTHING
+    }
+}
+
 impl Bvh {
-    /// [`Bvh::closest`] of many rays, which is faster than one after the other.
+    /// [`Bvh::closest`] of many rays, which is faster than one after the other: 500 at a time are
+    /// enough. The answers are in the order of the rays.
     pub fn closest_each(
         &self,
         geometry: &Geometry,
@@ -113,151 +150,196 @@ impl Bvh {
         stack: &mut Stack,
         hits: &mut Vec<Option<Hit>>,
     ) {
-        struct Closest<'a>(
-            &'a Bvh,
-            &'a Geometry,
-            &'a [Query],
-            &'a mut Stack,
-            &'a mut Vec<Option<Hit>>,
+        let (plates, answers) = (true, hits);
+        dispatch(
+            self.isa,
+            Each::<Nearest> { bvh: self, geometry, queries, plates, stack, answers },
         );
-        impl Kernel for Closest<'_> {
-            type Output = ();
-            #[inline(always)]
-            fn run<W: Wide, P: Packet>(self) {
-                self.0.closest_each_with::<W>(self.1, self.2, true, self.3, self.4);
-            }
-        }
-        dispatch(self.isa, Closest(self, geometry, queries, stack, hits));
     }
 
-    #[inline(always)]
-    pub(crate) fn closest_each_with<W: Wide>(
+    /// [`Bvh::occluded`] of many rays, as [`Bvh::closest_each`].
+    pub fn occluded_each(
         &self,
         geometry: &Geometry,
         queries: &[Query],
-        plates: bool,
+        stack: &mut Stack,
+        occluded: &mut Vec<bool>,
+    ) {
+        let (plates, answers) = (true, occluded);
+        dispatch(self.isa, Each::<Any> { bvh: self, geometry, queries, plates, stack, answers });
+    }
+
+    /// [`Bvh::closest_each`] among what is not a plate, for callers that run under an instruction
+    /// set already.
+    #[inline(always)]
+    pub(crate) fn closest_each_but_plates<W: Wide>(
+        &self,
+        geometry: &Geometry,
+        queries: &[Query],
         stack: &mut Stack,
         hits: &mut Vec<Option<Hit>>,
     ) {
-        hits.clear();
-        hits.resize(queries.len(), None);
+        let (plates, answers) = (false, hits);
+        Each::<Nearest> { bvh: self, geometry, queries, plates, stack, answers }.answer::<W>();
+    }
+
+    /// [`Bvh::occluded_each`] by what is not a plate, for callers that run under an instruction set
+    /// already.
+    #[inline(always)]
+    pub(crate) fn occluded_each_but_plates<W: Wide>(
+        &self,
+        geometry: &Geometry,
+        queries: &[Query],
+        stack: &mut Stack,
+        occluded: &mut Vec<bool>,
+    ) {
+        let (plates, answers) = (false, occluded);
+        Each::<Any> { bvh: self, geometry, queries, plates, stack, answers }.answer::<W>();
+    }
+}
+
+/// Rays to be traced, and where the answers go.
+struct Each<'a, G: Goal> {
+    bvh: &'a Bvh,
+    geometry: &'a Geometry,
+    queries: &'a [Query],
+    /// Whether plates count.
+    plates: bool,
+    stack: &'a mut Stack,
+    answers: &'a mut Vec<G::Answer>,
+}
+
+impl<G: Goal> Kernel for Each<'_, G> {
+    type Output = ();
+    #[inline(always)]
+    fn run<W: Wide, P: Packet>(self) {
+        self.answer::<W>();
+    }
+}
+
+impl<G: Goal> Each<'_, G> {
+    #[inline(always)]
+    fn answer<W: Wide>(self) {
+        let Each { bvh, geometry, queries, plates, stack, answers } = self;
+        answers.clear();
+        answers.resize(queries.len(), G::NONE);
         let Streams { travellers, room, enter: distances, words } = &mut stack.1;
         let room = *room;
-        let mut next = 0;
+        let mut source = Source::<G> { bvh, queries, plates, next: 0, goal: PhantomData };
         let mut groups = [Lists::default(); 2];
-        let mut active = [0; 2];
-        for who in 0..2 * GROUP {
-            let Some(traveller) = self.set_out::<W>(queries, &mut next, plates, hits) else { break };
-            travellers[who] = traveller;
+        let mut active = 0;
+        for (who, traveller) in travellers.iter_mut().enumerate() {
+            if !source.send::<W>(traveller, answers) {
+                break;
+            }
             groups[who / GROUP].push(who, traveller.word);
-            active[who / GROUP] += 1;
+            active += 1;
         }
-        while active[0] + active[1] > 0 {
-            for (group, lists) in groups.iter_mut().enumerate() {
-                let (mut quadrics, mut moved) = (List::default(), List::default());
+        while active > 0 {
+            for lists in &mut groups {
+                let (mut quadrics, mut sent) = (List::default(), List::default());
                 for who in lists.nodes.iter() {
                     let traveller = &mut travellers[who];
-                    let node = &self.nodes[traveller.word as usize];
+                    let node = &bvh.nodes[traveller.word as usize];
                     let (enter, mask) = traveller.slabs.test::<W>(node, traveller.best.t);
                     let top = who * room + traveller.top;
-                    let (Ok(distances), Ok(words)) = (
-                        (&mut distances[top..top + 8]).try_into(),
-                        (&mut words[top..top + 8]).try_into(),
-                    ) else {
+                    let free = top..top + 8;
+                    let (Ok(distances), Ok(words)) =
+                        ((&mut distances[free.clone()]).try_into(), (&mut words[free]).try_into())
+                    else {
                         return;
                     };
                     traveller.top += enter.far_first(mask, &node.child, distances, words);
                 }
                 for who in lists.packs.iter() {
-                    let traveller = &mut travellers[who];
-                    let Child::Pack(index) = child(traveller.word) else { return };
-                    take_nearest::<W>(&mut traveller.best, &self.packs[index], &traveller.sheared);
+                    let Traveller { word, best, sheared, .. } = &mut travellers[who];
+                    let pack = &bvh.packs[(*word & !PACK) as usize];
+                    if !G::ANY {
+                        take_nearest::<W>(best, pack, sheared);
+                    } else if triangle::intersect::<W>(pack, sheared, best.t).is_some() {
+                        *best = FOUND;
+                    }
                 }
                 for who in lists.others.iter() {
                     let traveller = &mut travellers[who];
-                    if let Child::Quadric(primitive) = child(traveller.word)
-                        && traveller.word != DONE
-                    {
-                        let ray = &queries[traveller.query as usize].ray;
-                        if let Some(t) = quadric(geometry, primitive, ray, traveller.best.t) {
-                            take_nearer(&mut traveller.best, t, primitive, [0.0; 2]);
-                        }
-                        quadrics.push_if(true, who);
+                    if traveller.word == DONE {
+                        answers[traveller.query as usize] = G::answer(traveller.best);
+                        let another = source.send::<W>(traveller, answers);
+                        sent.push_if(another, who);
+                        active -= !another as usize;
                         continue;
                     }
-                    let best = traveller.best;
-                    hits[traveller.query as usize] = (best.primitive != NOTHING).then_some(best);
-                    if let Some(traveller) = self.set_out::<W>(queries, &mut next, plates, hits) {
-                        travellers[who] = traveller;
-                        moved.push_if(true, who);
-                    } else {
-                        active[group] -= 1;
-                        travellers[who].query = NOTHING;
+                    let primitive = traveller.word & !QUADRIC;
+                    let ray = &queries[traveller.query as usize].ray;
+                    if let Some(t) = quadric(geometry, primitive, ray, traveller.best.t) {
+                        if G::ANY {
+                            traveller.best = FOUND;
+                        } else {
+                            take_nearer(&mut traveller.best, t, primitive, [0.0; 2]);
+                        }
                     }
+                    quadrics.push_if(true, who);
                 }
                 let mut after = Lists::default();
-                for who in moved.iter() {
+                for who in sent.iter() {
                     after.push(who, travellers[who].word);
                 }
-                for old in [&lists.nodes, &lists.packs, &quadrics] {
-                    for who in old.iter() {
+                for moved in [&lists.nodes, &lists.packs, &quadrics] {
+                    for who in moved.iter() {
                         let traveller = &mut travellers[who];
-                        traveller.pop::<W>(
-                            &distances[who * room..(who + 1) * room],
-                            &words[who * room..(who + 1) * room],
-                        );
+                        let own = who * room..(who + 1) * room;
+                        traveller.pop::<W>(&distances[own.clone()], &words[own]);
                         after.push(who, traveller.word);
                     }
                 }
                 for who in after.nodes.iter() {
-                    W::prefetch(&self.nodes[travellers[who].word as usize]);
+                    W::prefetch(&bvh.nodes[travellers[who].word as usize]);
                 }
                 for who in after.packs.iter() {
-                    if let Child::Pack(index) = child(travellers[who].word) {
-                        W::prefetch(&self.packs[index]);
-                    }
+                    W::prefetch(&bvh.packs[(travellers[who].word & !PACK) as usize]);
                 }
                 *lists = after;
             }
         }
     }
+}
 
-    /// Puts the next query on its way, if there is one.
+/// Queries not yet on their way.
+struct Source<'a, G> {
+    bvh: &'a Bvh,
+    queries: &'a [Query],
+    plates: bool,
+    next: usize,
+    goal: PhantomData<G>,
+}
+
+impl<G: Goal> Source<'_, G> {
+    /// Sends the next query on its way; false if there is none. What needs no way is answered.
     #[inline(always)]
-    fn set_out<W: Wide>(
-        &self,
-        queries: &[Query],
-        next: &mut usize,
-        plates: bool,
-        hits: &mut [Option<Hit>],
-    ) -> Option<Traveller> {
-        while let Some(Query { ray, t_max }) = queries.get(*next) {
-            let query = *next;
-            *next += 1;
+    fn send<W: Wide>(&mut self, traveller: &mut Traveller, answers: &mut [G::Answer]) -> bool {
+        while let Some(Query { ray, t_max }) = self.queries.get(self.next) {
+            let query = self.next;
+            self.next += 1;
+            // No hit is at a distance below 0, and comparing with NaN would find no end.
             if !is_traceable(ray) || !(*t_max > 0.0) {
                 continue;
             }
             let sheared = Sheared::new(ray.o, ray.d);
             let mut best = Hit { t: *t_max, primitive: NOTHING, b: [0.0; 2] };
-            if plates {
-                for pack in &self.large {
+            if self.plates {
+                for pack in &self.bvh.large {
                     take_nearest::<W>(&mut best, pack, &sheared);
                 }
             }
-            let Some(root) = self.root else {
-                hits[query] = (best.primitive != NOTHING).then_some(best);
+            let Some(word) = self.bvh.root.filter(|_| !G::ANY || best.primitive == NOTHING) else {
+                answers[query] = G::answer(best);
                 continue;
             };
-            return Some(Traveller {
-                slabs: Slabs::new(ray),
-                sheared,
-                best,
-                query: query as u32,
-                word: root,
-                top: FLOOR,
-            });
+            let slabs = Slabs::new(ray);
+            *traveller = Traveller { slabs, sheared, best, query: query as u32, word, top: FLOOR };
+            return true;
         }
-        None
+        false
     }
 }
 
@@ -265,19 +347,18 @@ impl Traveller {
     /// Goes on to what was put aside last and does not lie beyond the best hit by now.
     #[inline(always)]
     fn pop<W: Wide>(&mut self, distances: &[f32], words: &[u32]) {
-        loop {
-            let Some(Ok(last)) = distances.get(self.top - 8..self.top).map(|d| d.try_into()) else {
-                return;
-            };
+        // Down to the floor, which lies beyond no hit.
+        while let Some(low) = self.top.checked_sub(8) {
+            let Ok(last) = distances[low..self.top].try_into() else { return };
             let known = W::from_bits(W::load(last).to_bits() & W::Bits::splat(!15));
             let mask = known.le(W::splat(self.best.t)).bits();
             if mask != 0 {
-                let place = self.top - 8 + (31 - mask.leading_zeros() as usize);
+                let place = low + mask.ilog2() as usize;
                 self.word = words[place];
                 self.top = place.max(FLOOR);
                 return;
             }
-            self.top -= 8;
+            self.top = low;
         }
     }
 }

@@ -258,11 +258,11 @@ impl Bvh {
 #[inline(always)]
 pub(super) fn take_nearest<W: Wide>(best: &mut Hit, pack: &Pack, ray: &Sheared) {
     let Some(hits) = triangle::intersect::<W>(pack, ray, best.t) else { return };
-    let mut mask = hits.mask;
+    let (mut mask, t, b) = (hits.mask, hits.t.store(), hits.b.map(W::store));
     while mask != 0 {
         let i = mask.trailing_zeros() as usize;
         mask &= mask - 1;
-        take_nearer(best, hits.t[i], pack.id[i], [hits.b[0][i], hits.b[1][i]]);
+        take_nearer(best, t[i], pack.id[i], [b[0][i], b[1][i]]);
     }
 }
 

@@ -13,7 +13,7 @@ mod table;
 
 use super::{DEPTH_CAP, Scratch, Tracer};
 use crate::brdf::Microfacet;
-use crate::geometry::{NO_PLATE, Ray, Stack};
+use crate::geometry::{Hit, NO_PLATE, Query, Ray, Stack};
 use crate::math::columns::{BUNDLE, Column, Columns3};
 use crate::math::lanes::{Bits, Kernel, Mask, Packet, Wide, dispatch};
 use crate::math::sequence::{Slot, Stream, pair};
@@ -45,6 +45,7 @@ pub(super) struct Bundle {
     paths: Paths,
     met: Met,
     shadows: Shadows,
+    asked: Asked,
     /// By place in the bundle.
     radiance: Vec<[f32; 3]>,
 }
@@ -243,7 +244,8 @@ impl Tracer {
     fn trace<W: Wide, P: Packet>(&self, bundle: &mut Bundle, count: usize, stack: &mut Stack) {
         let (bvh, geometry) = (self.scene.bvh(), self.scene.geometry());
         let plates = bvh.plates();
-        let (paths, met) = (&bundle.paths, &mut bundle.met);
+        let Bundle { paths, met, asked, .. } = bundle;
+        asked.clear();
         for at in (0..count).step_by(P::WIDTH) {
             let (o, d) = (paths.o.load::<P>(at), paths.d.load::<P>(at));
             let hits = plates.closest::<P>(o, d, paths.plate.load::<P>(at));
@@ -261,21 +263,27 @@ impl Tracer {
                 let lane = others.trailing_zeros() as usize;
                 others &= others - 1;
                 let ray = paths.ray(at + lane);
-                if open >> lane & 1 == 0 {
-                    let until = t[lane] + within[lane];
-                    match bvh.closest_but_plates::<W>(geometry, &ray, until, stack) {
-                        None => continue,
-                        Some(hit) if hit.t < t[lane] - within[lane] => {
-                            met.set(at + lane, Some(hit), NO_PLATE);
-                            continue;
-                        }
-                        // Too close to the plate to tell.
-                        Some(_) => {}
-                    }
+                if open >> lane & 1 != 0 {
+                    let hit = bvh.closest_with::<W>(geometry, &ray, f32::INFINITY, stack);
+                    let plate = hit.map_or(NO_PLATE, |hit| plates.plate_of(hit.primitive));
+                    met.set(at + lane, hit, plate);
+                } else {
+                    let (t, within) = (t[lane], within[lane]);
+                    asked.push(at + lane, Query { ray, t_max: t + within }, t - within);
                 }
-                let hit = bvh.closest_with::<W>(geometry, &ray, f32::INFINITY, stack);
-                let plate = hit.map_or(NO_PLATE, |hit| plates.plate_of(hit.primitive));
-                met.set(at + lane, hit, plate);
+            }
+        }
+        bvh.closest_each_but_plates::<W>(geometry, &asked.queries, stack, &mut asked.hits);
+        for ((at, query), (hit, clear)) in asked.rays().zip(asked.hits.iter().zip(&asked.clear)) {
+            match *hit {
+                None => {}
+                Some(hit) if hit.t < *clear => met.set(at, Some(hit), NO_PLATE),
+                // Too close to the plate to tell.
+                Some(_) => {
+                    let hit = bvh.closest_with::<W>(geometry, &query.ray, f32::INFINITY, stack);
+                    let plate = hit.map_or(NO_PLATE, |hit| plates.plate_of(hit.primitive));
+                    met.set(at, hit, plate);
+                }
             }
         }
     }
@@ -283,7 +291,9 @@ impl Tracer {
     #[inline(always)]
     fn ask<W: Wide, P: Packet>(&self, bundle: &mut Bundle, stack: &mut Stack) {
         let (bvh, geometry) = (self.scene.bvh(), self.scene.geometry());
-        let shadows = &bundle.shadows;
+        let Bundle { shadows, asked, radiance, .. } = bundle;
+        asked.clear();
+        asked.lit.clear();
         for at in (0..shadows.count).step_by(P::WIDTH) {
             let (o, d) = (shadows.o.load::<P>(at), shadows.d.load::<P>(at));
             let t_max = shadows.t_max.load::<P>(at);
@@ -292,31 +302,64 @@ impl Tracer {
             let between = (t_max.lt(P::splat(f32::INFINITY)) | !live).all();
             let [blocked, open] = bvh.plates().occluded::<P>(o, d, t_max, ends, live, between);
             let tree = bvh.meets_tree(o, d, t_max).bits();
-            let open = open.bits();
-            let mut seen = (live & !blocked).bits();
-            while seen != 0 {
-                let lane = seen.trailing_zeros() as usize;
-                seen &= seen - 1;
-                if (open | tree) >> lane & 1 != 0 {
+            let (open, seen) = (open.bits(), (live & !blocked).bits());
+            for lane in 0..P::WIDTH.min(shadows.count - at) {
+                let mut lit = seen >> lane & 1 != 0;
+                if lit && (open | tree) >> lane & 1 != 0 {
                     let (o, d) = (shadows.o.get(at + lane), shadows.d.get(at + lane));
-                    let (ray, t_max) =
-                        (Ray { o: o.into(), d: d.into() }, shadows.t_max.0[at + lane]);
-                    let occluded = if open >> lane & 1 != 0 {
-                        bvh.occluded_with::<W>(geometry, &ray, t_max, stack)
+                    let ray = Ray { o: o.into(), d: d.into() };
+                    let t_max = shadows.t_max.0[at + lane];
+                    if open >> lane & 1 != 0 {
+                        lit = !bvh.occluded_with::<W>(geometry, &ray, t_max, stack);
                     } else {
-                        bvh.occluded_but_plates::<W>(geometry, &ray, t_max, stack)
-                    };
-                    if occluded {
-                        continue;
+                        asked.push(at + lane, Query { ray, t_max }, t_max);
                     }
                 }
-                let light = shadows.light.get(at + lane);
-                let sum = &mut bundle.radiance[shadows.slot.0[at + lane] as usize];
-                for (sum, light) in sum.iter_mut().zip(light) {
-                    *sum += light;
-                }
+                asked.lit.push(lit);
             }
         }
+        bvh.occluded_each_but_plates::<W>(geometry, &asked.queries, stack, &mut asked.occluded);
+        for (&at, occluded) in asked.at.iter().zip(&asked.occluded) {
+            asked.lit[at as usize] = !occluded;
+        }
+        for at in (0..shadows.count).filter(|&at| asked.lit[at]) {
+            let light = shadows.light.get(at);
+            let sum = &mut radiance[shadows.slot.0[at] as usize];
+            for (sum, light) in sum.iter_mut().zip(light) {
+                *sum += light;
+            }
+        }
+    }
+}
+
+/// Rays that the tree is asked about, those of a bundle together, and its answers.
+#[derive(Clone, Debug, Default)]
+struct Asked {
+    /// Places in the bundle.
+    at: Vec<u32>,
+    queries: Vec<Query>,
+    /// A hit nearer than this lies before all plates.
+    clear: Vec<f32>,
+    hits: Vec<Option<Hit>>,
+    occluded: Vec<bool>,
+    /// By place: what is seen of the lights.
+    lit: Vec<bool>,
+}
+
+impl Asked {
+    fn clear(&mut self) {
+        self.at.clear();
+        self.queries.clear();
+        self.clear.clear();
+    }
+    #[inline(always)]
+    fn push(&mut self, at: usize, query: Query, clear: f32) {
+        self.at.push(at as u32);
+        self.queries.push(query);
+        self.clear.push(clear);
+    }
+    fn rays(&self) -> impl Iterator<Item = (usize, &Query)> {
+        self.at.iter().map(|&at| at as usize).zip(&self.queries)
     }
 }
 
