@@ -166,7 +166,7 @@ impl Bvh {
             .packs
             .iter()
             .map(|p| {
-                let mut ids = p.id.to_vec();
+                let mut ids = p.id.to_vec(); ids.retain(|&i| i != u32::MAX);
                 ids.sort();
                 ids.dedup();
                 ids.len()

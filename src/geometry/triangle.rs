@@ -18,11 +18,10 @@ pub(super) struct Pack {
 }
 
 impl Pack {
-    /// One to eight triangles. Lanes to spare repeat the first: by the tie rule that changes nothing.
+    /// One to eight triangles. Lanes to spare hold no numbers and are never met.
     pub(super) fn of(geometry: &Geometry, ids: &[u32]) -> Pack {
-        let mut pack = Pack { v: [[[0.0; 8]; 3]; 3], id: [u32::MAX; 8] };
-        for lane in 0..8 {
-            let id = ids[if lane < ids.len() { lane } else { 0 }];
+        let mut pack = Pack { v: [[[f32::NAN; 8]; 3]; 3], id: [u32::MAX; 8] };
+        for (lane, &id) in ids.iter().enumerate().take(8) {
             pack.id[lane] = id;
             for (rows, p) in pack.v.iter_mut().zip(geometry.corners(id as usize)) {
                 for (row, x) in rows.iter_mut().zip([p.x, p.y, p.z]) {
