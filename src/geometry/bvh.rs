@@ -16,15 +16,15 @@ use std::time::Duration;
 #[derive(Clone, Debug)]
 #[repr(align(32))]
 pub(super) struct Node {
-    /// Rows: low x, high x, low y, high y, low z, high z. An absent child has low above high.
-    pub bounds: [[f32; 8]; 6],
+    /// By axis the low planes and the high ones. An absent child has low above high.
+    pub bounds: [[[f32; 8]; 2]; 3],
     pub child: [u32; 8],
 }
 
 impl Node {
     pub(super) const EMPTY: Node = {
         let (low, high) = ([f32::INFINITY; 8], [f32::NEG_INFINITY; 8]);
-        Node { bounds: [low, high, low, high, low, high], child: [0; 8] }
+        Node { bounds: [[low, high]; 3], child: [0; 8] }
     };
 }
 
@@ -166,7 +166,8 @@ impl Bvh {
             .packs
             .iter()
             .map(|p| {
-                let mut ids = p.id.to_vec(); ids.retain(|&i| i != u32::MAX);
+                let mut ids = p.id.to_vec();
+                ids.retain(|&i| i != u32::MAX);
                 ids.sort();
                 ids.dedup();
                 ids.len()
@@ -175,7 +176,7 @@ impl Bvh {
         let kids: usize = self
             .nodes
             .iter()
-            .map(|n| (0..8).filter(|&i| n.bounds[0][i] <= n.bounds[1][i]).count())
+            .map(|n| (0..8).filter(|&i| n.bounds[0][0][i] <= n.bounds[0][1][i]).count())
             .sum();
         format!(
             "nodes {} packs {} fill {:.2} kids {:.2}",

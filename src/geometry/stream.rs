@@ -43,7 +43,9 @@ struct Traveller {
     query: u32,
     /// What it stands before.
     word: u32,
-    /// Places of its stack that are taken, the floor's among them.
+    /// The lowest place of its stack.
+    floor: usize,
+    /// Behind the highest one that is taken.
     top: usize,
 }
 
@@ -51,8 +53,6 @@ struct Traveller {
 #[derive(Clone, Debug)]
 pub(super) struct Streams {
     travellers: Box<[Traveller; 2 * GROUP]>,
-    /// Places of one stack.
-    room: usize,
     /// Entry distances, with the last four bits of no meaning.
     enter: Box<[f32]>,
     words: Box<[u32]>,
@@ -62,9 +62,9 @@ impl Streams {
     pub(super) fn new(depth: usize) -> Streams {
         // The floor, what each level leaves behind, and eight places that may be written beyond.
         let room = (FLOOR + 7 * depth + 1 + 8).next_multiple_of(8);
+        let traveller = |who| Traveller { floor: who * room + FLOOR, ..Traveller::default() };
         Streams {
-            travellers: Box::new([Traveller::default(); 2 * GROUP]),
-            room,
+            travellers: Box::new(std::array::from_fn(traveller)),
             enter: vec![f32::NEG_INFINITY; 2 * GROUP * room].into(),
             words: vec![DONE; 2 * GROUP * room].into(),
         }
@@ -223,8 +223,7 @@ impl<G: Goal> Each<'_, G> {
         let Each { bvh, geometry, queries, plates, stack, answers } = self;
         answers.clear();
         answers.resize(queries.len(), G::NONE);
-        let Streams { travellers, room, enter: distances, words } = &mut stack.1;
-        let room = *room;
+        let Streams { travellers, enter: distances, words } = &mut stack.1;
         let mut source = Source::<G> { bvh, queries, plates, next: 0, goal: PhantomData };
         let mut groups = [Lists::default(); 2];
         let mut active = 0;
@@ -242,14 +241,18 @@ impl<G: Goal> Each<'_, G> {
                     let traveller = &mut travellers[who];
                     let node = &bvh.nodes[traveller.word as usize];
                     let (enter, mask) = traveller.slabs.test::<W>(node, traveller.best.t);
-                    let top = who * room + traveller.top;
-                    let free = top..top + 8;
-                    let (Ok(distances), Ok(words)) =
-                        ((&mut distances[free.clone()]).try_into(), (&mut words[free]).try_into())
-                    else {
+                    let top = traveller.top;
+                    let (Some(distances), Some(words)) = (
+                        distances.get_mut(top..).and_then(|free| free.first_chunk_mut()),
+                        words.get_mut(top..).and_then(|free| free.first_chunk_mut()),
+                    ) else {
                         return;
                     };
-                    traveller.top += enter.far_first(mask, &node.child, distances, words);
+                    traveller.top += if G::ANY {
+                        W::pick(mask, &node.child, words)
+                    } else {
+                        enter.far_first(mask, &node.child, distances, words)
+                    };
                 }
                 for who in lists.packs.iter() {
                     let Traveller { word, best, sheared, .. } = &mut travellers[who];
@@ -287,8 +290,11 @@ impl<G: Goal> Each<'_, G> {
                 for moved in [&lists.nodes, &lists.packs, &quadrics] {
                     for who in moved.iter() {
                         let traveller = &mut travellers[who];
-                        let own = who * room..(who + 1) * room;
-                        traveller.pop::<W>(&distances[own.clone()], &words[own]);
+                        if G::ANY {
+                            traveller.pop_any(words);
+                        } else {
+                            traveller.pop::<W>(distances, words);
+                        }
                         after.push(who, traveller.word);
                     }
                 }
@@ -336,7 +342,9 @@ impl<G: Goal> Source<'_, G> {
                 continue;
             };
             let slabs = Slabs::new(ray);
-            *traveller = Traveller { slabs, sheared, best, query: query as u32, word, top: FLOOR };
+            let floor = traveller.floor;
+            let query = query as u32;
+            *traveller = Traveller { slabs, sheared, best, query, word, floor, top: floor };
             return true;
         }
         false
@@ -344,18 +352,30 @@ impl<G: Goal> Source<'_, G> {
 }
 
 impl Traveller {
+    /// Goes on to what was put aside last, or to the end if anything was hit.
+    #[inline(always)]
+    fn pop_any(&mut self, words: &[u32]) {
+        let found = self.best.primitive != NOTHING;
+        let last = if found { self.floor } else { self.top }.saturating_sub(1);
+        self.word = words[last];
+        self.top = last.max(self.floor);
+    }
+
     /// Goes on to what was put aside last and does not lie beyond the best hit by now.
     #[inline(always)]
     fn pop<W: Wide>(&mut self, distances: &[f32], words: &[u32]) {
         // Down to the floor, which lies beyond no hit.
-        while let Some(low) = self.top.checked_sub(8) {
-            let Ok(last) = distances[low..self.top].try_into() else { return };
+        while let Some((low, Some(last))) = self
+            .top
+            .checked_sub(8)
+            .map(|low| (low, distances.get(low..).and_then(|above| above.first_chunk())))
+        {
             let known = W::from_bits(W::load(last).to_bits() & W::Bits::splat(!15));
             let mask = known.le(W::splat(self.best.t)).bits();
             if mask != 0 {
                 let place = low + mask.ilog2() as usize;
                 self.word = words[place];
-                self.top = place.max(FLOOR);
+                self.top = place.max(self.floor);
                 return;
             }
             self.top = low;

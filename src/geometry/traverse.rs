@@ -77,7 +77,7 @@ impl Bvh {
 /// triangle would be hit. So the test may be fused or not: hits do not depend on it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Slabs {
-    /// Row of the near plane of each axis; the far one is its pair.
+    /// Of each axis: 0 if the near planes are the low ones, else 1.
     near: [usize; 3],
     inverse: [f32; 3],
     /// `-origin * inverse`, with the margin, for near and far planes.
@@ -99,7 +99,7 @@ impl Slabs {
             let least = fastest * 1e-18;
             let along = if d[axis].abs() < least { least.copysign(d[axis]) } else { d[axis] };
             let outwards = margin.copysign(along);
-            slabs.near[axis] = 2 * axis + (along < 0.0) as usize;
+            slabs.near[axis] = (along < 0.0) as usize;
             let inverse = 1.0 / along;
             slabs.inverse[axis] = inverse;
             slabs.near_offset[axis] = -(o[axis] + outwards) * inverse;
@@ -116,12 +116,12 @@ impl Slabs {
 
     #[inline(always)]
     fn near<W: Wide>(&self, node: &Node, axis: usize) -> W {
-        self.planes(&node.bounds[self.near[axis]], self.near_offset[axis], axis)
+        self.planes(&node.bounds[axis][self.near[axis] & 1], self.near_offset[axis], axis)
     }
 
     #[inline(always)]
     fn far<W: Wide>(&self, node: &Node, axis: usize) -> W {
-        self.planes(&node.bounds[self.near[axis] ^ 1], self.far_offset[axis], axis)
+        self.planes(&node.bounds[axis][!self.near[axis] & 1], self.far_offset[axis], axis)
     }
 
     /// Entry distances, and lanes whose box is met before `t_max`.

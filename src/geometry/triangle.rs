@@ -11,7 +11,7 @@ const NEAR: f32 = 1.0 / 256.0;
 
 /// Eight triangles by component: `v[vertex][axis][lane]`.
 #[derive(Clone, Debug)]
-#[repr(align(32))]
+#[repr(align(64))]
 pub(super) struct Pack {
     pub v: [[[f32; 8]; 3]; 3],
     pub id: [u32; 8],

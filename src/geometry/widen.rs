@@ -110,8 +110,8 @@ impl Twigs {
                     let node = &mut bvh.nodes[wide];
                     node.child[slot] = word;
                     for axis in 0..3 {
-                        node.bounds[2 * axis][slot] = bounds.min[axis];
-                        node.bounds[2 * axis + 1][slot] = bounds.max[axis];
+                        node.bounds[axis][0][slot] = bounds.min[axis];
+                        node.bounds[axis][1][slot] = bounds.max[axis];
                     }
                 }
             }

@@ -157,6 +157,9 @@ pub trait Wide: Lane {
         numbers_out: &mut [f32; 8],
         words_out: &mut [u32; 8],
     ) -> usize;
+    /// The words of those lanes that the mask has, side by side. Returns how many; what is left of
+    /// the places holds anything.
+    fn pick(mask: Self::Mask, words: &[u32; 8], out: &mut [u32; 8]) -> usize;
     /// Asks for the cache line at the start of a thing and for all others that it lies in.
     fn prefetch<T>(thing: &T);
 }

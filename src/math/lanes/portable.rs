@@ -205,5 +205,10 @@ impl Wide for F32x8 {
         count
     }
     #[inline(always)]
+    fn pick(mask: Mask8, words: &[u32; 8], out: &mut [u32; 8]) -> usize {
+        let lanes = (0..8).filter(|lane| mask.0 >> lane & 1 != 0);
+        out.iter_mut().zip(lanes).map(|(out, lane)| *out = words[lane]).count()
+    }
+    #[inline(always)]
     fn prefetch<T>(_: &T) {}
 }

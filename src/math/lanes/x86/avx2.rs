@@ -229,6 +229,11 @@ impl Wide for Avx2 {
         mask.bits().count_ones() as usize
     }
     #[inline(always)]
+    fn pick(mask: Avx2Mask, words: &[u32; 8], out: &mut [u32; 8]) -> usize {
+        <Avx2 as Packet>::compress_bits(<Avx2 as Packet>::load_bits(words), mask, out);
+        mask.bits().count_ones() as usize
+    }
+    #[inline(always)]
     fn prefetch<T>(thing: &T) {
         let start: *const T = thing;
         let start = start.cast::<i8>();
