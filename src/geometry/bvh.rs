@@ -158,32 +158,3 @@ pub(super) fn primitive_bounds(geometry: &Geometry, primitive: u32) -> [V3; 2] {
         Kind::Cylinder(i) => geometry.cylinders[i].bounds(),
     }
 }
-
-impl Bvh {
-    /// Harness only.
-    pub fn summary(&self) -> String {
-        let full: usize = self
-            .packs
-            .iter()
-            .map(|p| {
-                let mut ids = p.id.to_vec();
-                ids.retain(|&i| i != u32::MAX);
-                ids.sort();
-                ids.dedup();
-                ids.len()
-            })
-            .sum();
-        let kids: usize = self
-            .nodes
-            .iter()
-            .map(|n| (0..8).filter(|&i| n.bounds[0][0][i] <= n.bounds[0][1][i]).count())
-            .sum();
-        format!(
-            "nodes {} packs {} fill {:.2} kids {:.2}",
-            self.nodes.len(),
-            self.packs.len(),
-            full as f64 / self.packs.len().max(1) as f64,
-            kids as f64 / self.nodes.len().max(1) as f64
-        )
-    }
-}

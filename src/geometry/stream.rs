@@ -10,7 +10,7 @@ use super::bvh::{Bvh, PACK, QUADRIC};
 use super::traverse::{Slabs, Stack, is_traceable, quadric, take_nearer, take_nearest};
 use super::triangle::{self, Sheared};
 use super::{Geometry, Hit, Ray};
-use crate::math::lanes::{Bits, Kernel, Lane, Mask, Packet, Wide, dispatch};
+use crate::math::lanes::{Bits, Kernel, Mask, Packet, Wide, dispatch};
 use std::marker::PhantomData;
 
 /// A ray and how far it goes.
@@ -23,7 +23,7 @@ pub struct Query {
 }
 
 /// Rays of a group; there are two, and while one is tested, memory fetches what the other needs.
-const GROUP: usize = 8;
+const GROUP: usize = 16;
 /// In place of a child: there is nothing left to visit.
 const DONE: u32 = (1 << 31) - 1;
 /// No hit.

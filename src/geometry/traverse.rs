@@ -161,23 +161,6 @@ impl Bvh {
         self.closest_in_tree::<W>(geometry, ray, &sheared, best, stack)
     }
 
-    /// [`Bvh::closest_with`] among what is not a plate.
-    #[inline(always)]
-    pub(crate) fn closest_but_plates<W: Wide>(
-        &self,
-        geometry: &Geometry,
-        ray: &Ray,
-        t_max: f32,
-        stack: &mut Stack,
-    ) -> Option<Hit> {
-        if !is_traceable(ray) {
-            return None;
-        }
-        let sheared = Sheared::new(ray.o, ray.d);
-        let best = Hit { t: t_max, primitive: u32::MAX, b: [0.0; 2] };
-        self.closest_in_tree::<W>(geometry, ray, &sheared, best, stack)
-    }
-
     /// The nearer of the best hit so far and what the tree holds.
     #[inline(always)]
     fn closest_in_tree<W: Wide>(
@@ -302,19 +285,6 @@ impl Bvh {
             }
         }
         self.occluded_in_tree::<W>(geometry, ray, &sheared, t_max, stack)
-    }
-
-    /// [`Bvh::occluded_with`] by what is not a plate.
-    #[inline(always)]
-    pub(crate) fn occluded_but_plates<W: Wide>(
-        &self,
-        geometry: &Geometry,
-        ray: &Ray,
-        t_max: f32,
-        stack: &mut Stack,
-    ) -> bool {
-        let sheared = Sheared::new(ray.o, ray.d);
-        is_traceable(ray) && self.occluded_in_tree::<W>(geometry, ray, &sheared, t_max, stack)
     }
 
     /// Whether what the tree holds is hit at `0 < t <= t_max`.
