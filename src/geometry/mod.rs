@@ -110,6 +110,15 @@ impl Geometry {
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
+    /// Bytes held by positions, normals, indices, materials and exact shapes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.positions[..])
+            + size_of_val(&self.normals[..])
+            + size_of_val(&self.triangles[..])
+            + size_of_val(&self.spheres[..])
+            + size_of_val(&self.cylinders[..])
+            + size_of_val(&self.material_of[..])
+    }
     /// Which shape a primitive index names; it must be below [`Geometry::len`].
     #[inline(always)]
     pub fn kind(&self, primitive: u32) -> Kind {
