@@ -114,6 +114,16 @@ trait Goal {
     /// Whether one hit, wherever, ends the search.
     const ANY: bool;
     fn answer(best: Hit) -> Self::Answer;
+    /// The answer for a ray alone whose best hit so far is this.
+    fn alone<W: Wide>(each: &mut Each<'_, Self>, ray: &Ray, ready: &Ready) -> Self::Answer
+    where
+        Self: Sized;
+}
+
+/// A ray made ready for triangles, and its best hit among those outside the tree.
+struct Ready {
+    sheared: Sheared,
+    best: Hit,
 }
 
 struct Nearest;
@@ -126,6 +136,11 @@ impl Goal for Nearest {
     fn answer(best: Hit) -> Option<Hit> {
         (best.primitive != NOTHING).then_some(best)
     }
+    #[inline(always)]
+    fn alone<W: Wide>(each: &mut Each<'_, Nearest>, ray: &Ray, ready: &Ready) -> Option<Hit> {
+        let Ready { sheared, best } = ready;
+        each.bvh.closest_in_tree::<W>(each.geometry, ray, sheared, *best, each.stack)
+    }
 }
 
 struct Any;
@@ -137,6 +152,12 @@ impl Goal for Any {
     #[inline(always)]
     fn answer(best: Hit) -> bool {
         best.primitive != NOTHING
+    }
+    #[inline(always)]
+    fn alone<W: Wide>(each: &mut Each<'_, Any>, ray: &Ray, ready: &Ready) -> bool {
+        let Ready { sheared, best } = ready;
+        let found = Any::answer(*best);
+        found || each.bvh.occluded_in_tree::<W>(each.geometry, ray, sheared, best.t, each.stack)
     }
 }
 
@@ -219,10 +240,23 @@ impl<G: Goal> Kernel for Each<'_, G> {
 
 impl<G: Goal> Each<'_, G> {
     #[inline(always)]
-    fn answer<W: Wide>(self) {
+    fn answer<W: Wide>(mut self) {
+        self.answers.clear();
+        self.answers.resize(self.queries.len(), G::NONE);
+        if W::IN_TURN {
+            self.in_turn::<W>();
+            return;
+        }
+        for (at, Query { ray, t_max }) in self.queries.iter().enumerate() {
+            if let Some(ready) = self.bvh.make_ready::<W>(ray, *t_max, self.plates) {
+                self.answers[at] = G::alone::<W>(&mut self, ray, &ready);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn in_turn<W: Wide>(self) {
         let Each { bvh, geometry, queries, plates, stack, answers } = self;
-        answers.clear();
-        answers.resize(queries.len(), G::NONE);
         let Streams { travellers, enter: distances, words } = &mut stack.1;
         let mut source = Source::<G> { bvh, queries, plates, next: 0, goal: PhantomData };
         let mut groups = [Lists::default(); 2];
@@ -310,6 +344,25 @@ impl<G: Goal> Each<'_, G> {
     }
 }
 
+impl Bvh {
+    /// `None` for rays that hit nothing.
+    #[inline(always)]
+    fn make_ready<W: Wide>(&self, ray: &Ray, t_max: f32, plates: bool) -> Option<Ready> {
+        // No hit is at a distance below 0, and comparing with NaN would find no end.
+        if !is_traceable(ray) || !(t_max > 0.0) {
+            return None;
+        }
+        let sheared = Sheared::new(ray.o, ray.d);
+        let mut best = Hit { t: t_max, primitive: NOTHING, b: [0.0; 2] };
+        if plates {
+            for pack in &self.large {
+                take_nearest::<W>(&mut best, pack, &sheared);
+            }
+        }
+        Some(Ready { sheared, best })
+    }
+}
+
 /// Queries not yet on their way.
 struct Source<'a, G> {
     bvh: &'a Bvh,
@@ -326,17 +379,10 @@ impl<G: Goal> Source<'_, G> {
         while let Some(Query { ray, t_max }) = self.queries.get(self.next) {
             let query = self.next;
             self.next += 1;
-            // No hit is at a distance below 0, and comparing with NaN would find no end.
-            if !is_traceable(ray) || !(*t_max > 0.0) {
+            let Some(Ready { sheared, best }) = self.bvh.make_ready::<W>(ray, *t_max, self.plates)
+            else {
                 continue;
-            }
-            let sheared = Sheared::new(ray.o, ray.d);
-            let mut best = Hit { t: *t_max, primitive: NOTHING, b: [0.0; 2] };
-            if self.plates {
-                for pack in &self.bvh.large {
-                    take_nearest::<W>(&mut best, pack, &sheared);
-                }
-            }
+            };
             let Some(word) = self.bvh.root.filter(|_| !G::ANY || best.primitive == NOTHING) else {
                 answers[query] = G::answer(best);
                 continue;

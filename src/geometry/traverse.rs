@@ -163,7 +163,7 @@ impl Bvh {
 
     /// The nearer of the best hit so far and what the tree holds.
     #[inline(always)]
-    fn closest_in_tree<W: Wide>(
+    pub(super) fn closest_in_tree<W: Wide>(
         &self,
         geometry: &Geometry,
         ray: &Ray,
@@ -289,7 +289,7 @@ impl Bvh {
 
     /// Whether what the tree holds is hit at `0 < t <= t_max`.
     #[inline(always)]
-    fn occluded_in_tree<W: Wide>(
+    pub(super) fn occluded_in_tree<W: Wide>(
         &self,
         geometry: &Geometry,
         ray: &Ray,

@@ -39,9 +39,10 @@ pub(super) struct Item {
 }
 
 impl Item {
-    /// Twice the centre.
-    fn centre(&self, axis: usize) -> f32 {
-        self.bounds.min[axis] + self.bounds.max[axis]
+    /// Twice the centre, as an integer of the same order.
+    fn centre(&self, axis: usize) -> u32 {
+        let bits = (self.bounds.min[axis] + self.bounds.max[axis]).to_bits();
+        if bits >> 31 == 0 { bits | 1 << 31 } else { !bits }
     }
 }
 
@@ -50,7 +51,8 @@ impl Item {
 /// afterwards.
 pub(super) fn split(items: &mut [Item]) -> Vec<Twig> {
     let mut twigs = Vec::with_capacity(items.len() / 2 + 1);
-    let mut after = vec![0.0; items.len()];
+    let mut sweep =
+        Sweep { keys: Default::default(), after: vec![0.0; items.len()], sorted: Vec::new() };
     let whole = |items: &[Item]| {
         items.iter().fold(Aabb::empty(), |bounds, item| bounds.union(&item.bounds))
     };
@@ -63,7 +65,7 @@ pub(super) fn split(items: &mut [Item]) -> Vec<Twig> {
             twigs[at].content = Content::Pack([start as u32, end as u32]);
             continue;
         }
-        let middle = start + halve(part, &mut after);
+        let middle = start + sweep.halve(part);
         let first = twigs.len() as u32;
         twigs[at].content = Content::Inner([first, first + 1]);
         twigs.push(Twig { bounds: whole(&items[start..middle]), content: empty });
@@ -74,37 +76,46 @@ pub(super) fn split(items: &mut [Item]) -> Vec<Twig> {
     twigs
 }
 
-/// Sorts along the axis of the best split and returns where that is.
-fn halve(items: &mut [Item], after: &mut [f32]) -> usize {
-    let packs = |n: usize| n.div_ceil(PACK) as f32;
-    let n = items.len();
-    let (mut least, mut best) = (f32::INFINITY, (0, n / 2));
-    let mut sorted_along = 0;
-    for axis in 0..3 {
-        sort(items, axis);
-        sorted_along = axis;
-        let mut bounds = Aabb::empty();
-        for i in (1..n).rev() {
-            bounds = bounds.union(&items[i].bounds);
-            after[i] = bounds.half_area() * packs(n - i);
-        }
-        let mut bounds = Aabb::empty();
-        for i in 1..n {
-            bounds = bounds.union(&items[i - 1].bounds);
-            let cost = bounds.half_area() * packs(i) + after[i];
-            if cost < least {
-                (least, best) = (cost, (axis, i));
-            }
-        }
-    }
-    if best.0 != sorted_along {
-        sort(items, best.0);
-    }
-    best.1
+/// Memory for one split.
+struct Sweep {
+    /// By axis, centres in their order, and in the lower half whose they are.
+    keys: [Vec<u64>; 3],
+    /// What the items from each on would cost as one part.
+    after: Vec<f32>,
+    sorted: Vec<Item>,
 }
 
-fn sort(items: &mut [Item], axis: usize) {
-    items.sort_unstable_by(|a, b| a.centre(axis).total_cmp(&b.centre(axis)).then(a.id.cmp(&b.id)));
+impl Sweep {
+    /// Sorts along the axis of the best split and returns where that is.
+    fn halve(&mut self, items: &mut [Item]) -> usize {
+        let packs = |n: usize| n.div_ceil(PACK) as f32;
+        let n = items.len();
+        let (mut least, mut best) = (f32::INFINITY, (0, n / 2));
+        for (axis, keys) in self.keys.iter_mut().enumerate() {
+            keys.clear();
+            let key = |(i, item): (usize, &Item)| u64::from(item.centre(axis)) << 32 | i as u64;
+            keys.extend(items.iter().enumerate().map(key));
+            keys.sort_unstable();
+            let bounds_of = |i: usize| &items[keys[i] as u32 as usize].bounds;
+            let mut bounds = Aabb::empty();
+            for i in (1..n).rev() {
+                bounds = bounds.union(bounds_of(i));
+                self.after[i] = bounds.half_area() * packs(n - i);
+            }
+            let mut bounds = Aabb::empty();
+            for i in 1..n {
+                bounds = bounds.union(bounds_of(i - 1));
+                let cost = bounds.half_area() * packs(i) + self.after[i];
+                if cost < least {
+                    (least, best) = (cost, (axis, i));
+                }
+            }
+        }
+        self.sorted.clear();
+        self.sorted.extend(self.keys[best.0].iter().map(|&key| items[key as u32 as usize]));
+        items.copy_from_slice(&self.sorted);
+        best.1
+    }
 }
 
 /// As the builder wants it.

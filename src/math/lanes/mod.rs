@@ -143,6 +143,9 @@ pub trait Bits:
 
 /// A lane type of eight values that can be read from memory: what the traversal works on.
 pub trait Wide: Lane {
+    /// Whether it pays to trace many rays in turn: [`Wide::far_first`] and [`Wide::pick`] take no
+    /// branches, and [`Wide::prefetch`] does something.
+    const IN_TURN: bool;
     /// The eight numbers in order.
     fn load(x: &[f32; 8]) -> Self;
     /// The eight numbers in order.

@@ -176,6 +176,7 @@ impl Lane for Avx2 {
 }
 
 impl Wide for Avx2 {
+    const IN_TURN: bool = true;
     #[inline(always)]
     fn load(x: &[f32; 8]) -> Avx2 {
         // SAFETY: the reference is to eight readable floats; the load needs no alignment; reached
