@@ -199,7 +199,7 @@ fn rays_in_company_hit_what_they_hit_alone() {
                     2 => query.t_max = -1.0,
                     3 => query.t_max = 0.0,
                     4 => query.ray.o.x = f32::NAN,
-                    5 | 6 => query.t_max = r.unit() as f32 / query.ray.d.length(),
+                    5 | 6 => query.t_max = r.unit() / query.ray.d.length(),
                     _ => {}
                 }
             }

@@ -349,7 +349,7 @@ impl Bvh {
     #[inline(always)]
     fn make_ready<W: Wide>(&self, ray: &Ray, t_max: f32, plates: bool) -> Option<Ready> {
         // No hit is at a distance below 0, and comparing with NaN would find no end.
-        if !is_traceable(ray) || !(t_max > 0.0) {
+        if !is_traceable(ray) || t_max.is_nan() || t_max <= 0.0 {
             return None;
         }
         let sheared = Sheared::new(ray.o, ray.d);

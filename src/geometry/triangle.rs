@@ -49,8 +49,9 @@ impl Sheared {
         let d = [d.x, d.y, d.z];
         let a = d.map(f32::abs);
         // By arithmetic: no one can foretell these branches.
-        let x_first = (a[0] > a[1]) & (a[0] > a[2]);
-        let y_first = !(a[0] > a[1]) & (a[1] > a[2]);
+        let x_over_y = a[0] > a[1];
+        let x_first = x_over_y & (a[0] > a[2]);
+        let y_first = !x_over_y & (a[1] > a[2]);
         let kz = 2 - 2 * x_first as usize - y_first as usize;
         let (kx, ky) = ([1, 2, 0][kz], [2, 0, 1][kz]);
         let sz = 1.0 / d[kz];
