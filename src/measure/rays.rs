@@ -125,7 +125,8 @@ impl RayBench {
         let camera = CameraRays::new(&scene.camera(), scene.placement(), self.size);
         let lights = lit_primitives(scene);
         let mut stack = scene.bvh().stack();
-        let [width, height] = self.size.map(|side| side as usize);
+        let width = self.size[0] as usize;
+        let pixels = width * self.size[1] as usize;
         let mut rays = Vec::with_capacity(self.rays);
         // Points that face away from the light give no shadow ray: others take their place.
         for n in 0..2 * self.rays {
@@ -134,8 +135,10 @@ impl RayBench {
             }
             let stream = Stream::new(self.seed, U32(n as u32 & 0xffff), U32(n as u32 >> 16), 0);
             let [dx, dy] = pair::<f32>(&stream, Slot::CAMERA);
-            let (x, y) = ((n % width) as f32, (n / width % height) as f32);
-            let ray = camera.ray(x + dx, y + dy);
+            // Few rays are spread over the picture.
+            let pixel = if self.rays < pixels { n % self.rays * pixels / self.rays } else { n };
+            let (x, y) = (pixel % width, pixel / width % (pixels / width));
+            let ray = camera.ray(x as f32 + dx, y as f32 + dy);
             if kind == RayKind::Camera {
                 rays.push((n as u32, Query { ray, t_max: f32::INFINITY }));
                 continue;
