@@ -195,7 +195,8 @@ fn a_glossy_scene_is_the_same_at_any_size_and_place() {
             let scene = still_life(scale, shift);
             let pictures: Vec<Snapshot> = (0..16)
                 .map(|i| {
-                    let params = Params { model, seed: 100 * seed + i, ..Params::new(scene.clone()) };
+                    let params =
+                        Params { model, seed: 100 * seed + i, ..Params::new(scene.clone()) };
                     let s = render(params, 8, 0).unwrap();
                     assert_eq!((s.counts.nonfinite, s.counts.capped), (0, 0));
                     s

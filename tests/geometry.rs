@@ -2,7 +2,7 @@
 
 mod support;
 
-use burnish::geometry::{Hit, Ray, offset_origin};
+use burnish::geometry::{Hit, Query, Ray, offset_origin};
 use burnish::math::V3;
 use burnish::math::lanes::Isa;
 use burnish::scene::{Material, MaterialId, Mesh, Scene, SceneBuilder};
@@ -178,6 +178,49 @@ fn some_ray(r: &mut Random) -> Ray {
     let o = DVec3::from_array(r.direction()) * r.within(0.0, 3.0);
     let length = 10f64.powf(r.within(-3.0, 3.0));
     Ray { o: v3(o), d: v3(DVec3::from_array(r.direction()) * length) }
+}
+
+/// Many at a time and alone, in every instruction set; among them rays that hit nothing, end
+/// early, or are none.
+#[test]
+fn rays_in_company_hit_what_they_hit_alone() {
+    let mut r = Random::new(12);
+    let (mut found, mut blocked) = (Vec::new(), Vec::new());
+    for round in 0..4 {
+        let mut scene = jumble(&mut r);
+        // No more than a few, and more than are ever on their way together.
+        for count in [0, 1, 7, 33, 3000] {
+            let mut queries: Vec<Query> =
+                (0..count).map(|_| Query { ray: some_ray(&mut r), t_max: f32::INFINITY }).collect();
+            for (n, query) in queries.iter_mut().enumerate() {
+                match (n + round) % 13 {
+                    0 => query.ray.d = V3::default(),
+                    1 => query.t_max = f32::NAN,
+                    2 => query.t_max = -1.0,
+                    3 => query.t_max = 0.0,
+                    4 => query.ray.o.x = f32::NAN,
+                    5 | 6 => query.t_max = r.unit() / query.ray.d.length(),
+                    _ => {}
+                }
+            }
+            for isa in Isa::available() {
+                scene.set_isa(isa);
+                let (g, bvh) = (scene.geometry(), scene.bvh());
+                let mut stack = bvh.stack();
+                bvh.closest_each(g, &queries, &mut stack, &mut found);
+                bvh.occluded_each(g, &queries, &mut stack, &mut blocked);
+                assert_eq!((found.len(), blocked.len()), (count, count));
+                for ((Query { ray, t_max }, found), blocked) in
+                    queries.iter().zip(&found).zip(&blocked)
+                {
+                    assert_eq!(*found, bvh.closest(g, ray, *t_max, &mut stack), "{ray:?} {t_max}");
+                    assert_eq!(*blocked, found.is_some(), "{ray:?} {t_max}");
+                }
+                let hits = found.iter().flatten().count();
+                assert!(count < 3000 || (20..2900).contains(&hits), "{hits}");
+            }
+        }
+    }
 }
 
 #[test]

@@ -208,10 +208,8 @@ impl Lobes {
     /// The same parameters in every lane.
     #[inline(always)]
     pub fn splat_lanes<L: Lane>(&self) -> Lobes<L> {
-        let width = Width {
-            alpha: L::splat(self.width.alpha),
-            exponent: L::splat(self.width.exponent),
-        };
+        let width =
+            Width { alpha: L::splat(self.width.alpha), exponent: L::splat(self.width.exponent) };
         Lobes { kd: self.kd.splat_lanes(), ks: self.ks.splat_lanes(), width }
     }
 

@@ -1,29 +1,31 @@
 //! The tree: built by obvhs as a binary one, then widened to eight children a node.
 
 use super::plates::Plates;
+use super::treelets;
 use super::triangle::Pack;
+use super::widen::Twigs;
 use super::{Geometry, Kind};
 use crate::math::V3;
 use crate::math::lanes::Isa;
-use glam::Vec3A;
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
-use obvhs::bvh2::{Bvh2, builder::build_bvh2};
+use obvhs::bvh2::builder::build_bvh2;
+use rayon::prelude::*;
 use std::time::Duration;
 
 /// Bounds of eight children by component, and what they are.
 #[derive(Clone, Debug)]
 #[repr(align(32))]
 pub(super) struct Node {
-    /// Rows: low x, high x, low y, high y, low z, high z. An absent child has low above high.
-    pub bounds: [[f32; 8]; 6],
+    /// By axis the low planes and the high ones. An absent child has low above high.
+    pub bounds: [[[f32; 8]; 2]; 3],
     pub child: [u32; 8],
 }
 
 impl Node {
-    const EMPTY: Node = {
+    pub(super) const EMPTY: Node = {
         let (low, high) = ([f32::INFINITY; 8], [f32::NEG_INFINITY; 8]);
-        Node { bounds: [low, high, low, high, low, high], child: [0; 8] }
+        Node { bounds: [[low, high]; 3], child: [0; 8] }
     };
 }
 
@@ -35,8 +37,8 @@ pub(super) enum Child {
     Quadric(u32),
 }
 
-const PACK: u32 = 1 << 31;
-const QUADRIC: u32 = 1 << 30;
+pub(super) const PACK: u32 = 1 << 31;
+pub(super) const QUADRIC: u32 = 1 << 30;
 
 #[inline(always)]
 pub(super) fn child(word: u32) -> Child {
@@ -62,7 +64,7 @@ pub struct Bvh {
     pub(super) plates: Plates,
     pub(super) large: Vec<Pack>,
     pub(super) isa: Isa,
-    depth: usize,
+    pub(super) depth: usize,
 }
 
 impl Bvh {
@@ -85,24 +87,25 @@ impl Bvh {
         if rest.is_empty() {
             return bvh;
         }
-        let order: Vec<u32> =
-            without_order(rest.len() as u32).into_iter().map(|i| rest[i as usize]).collect();
-        let bounds: Vec<Aabb> = order
-            .iter()
-            .map(|&i| {
-                let [low, high] = primitive_bounds(geometry, i);
-                let corner = |v: V3| Vec3A::new(v.x, v.y, v.z);
-                Aabb::new(corner(low), corner(high))
-            })
-            .collect();
+        let boxes = |ids: &[u32]| -> Vec<Aabb> {
+            ids.par_iter().map(|&i| treelets::aabb(primitive_bounds(geometry, i))).collect()
+        };
+        let mut order = rest;
+        let mut bounds = boxes(&order);
+        if is_crowded(&bounds) {
+            order = without_order(order.len() as u32).map(|i| order[i as usize]).collect();
+            bounds = boxes(&order);
+        }
         let settings = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::medium_build() };
         let mut build_time = Duration::ZERO; // wanted by obvhs; we measure from outside
         let mut binary = build_bvh2(&bounds, settings, &mut build_time);
         drop(bounds);
         let whole = binary.nodes[0].aabb();
         bvh.bounds = [whole.min, whole.max].map(|v| V3::new(v.x, v.y, v.z));
-        binary.primitive_indices.iter_mut().for_each(|i| *i = order[*i as usize]);
-        Widener::new(geometry, &binary).widen(&mut bvh);
+        binary.primitive_indices.par_iter_mut().for_each(|i| *i = order[*i as usize]);
+        let twigs = Twigs::new(geometry, &binary);
+        drop(binary);
+        twigs.widen(geometry, &mut bvh);
         bvh
     }
 
@@ -128,12 +131,28 @@ impl Bvh {
     }
 }
 
+/// Whether many boxes may have one centre, or nearly.
+fn is_crowded(bounds: &[Aabb]) -> bool {
+    const PLACES: usize = 1 << 16;
+    let mut crowd = vec![0u32; PLACES];
+    for bounds in bounds {
+        // To a millionth of the scene, into a place by chance.
+        let cell = ((bounds.min + bounds.max) * (1 << 19) as f32).as_ivec3();
+        let mixed = [cell.x, cell.y, cell.z].iter().fold(0u64, |mixed, &x| {
+            (mixed ^ u64::from(x as u32)).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
+        });
+        crowd[(mixed >> 48) as usize] += 1;
+    }
+    let fair = bounds.len() / PLACES;
+    crowd.iter().any(|&n| n as usize > 64 + 4 * fair)
+}
+
 /// All numbers below `n`, without the order in which a file lists its shapes.
 ///
 /// The builder pairs neighbours along a curve through the boxes' centres, and where the centres are
 /// one point it takes them as they come. Shells that were listed from the innermost outwards would
 /// then be paired one at a time: minutes for a hundred thousand, and a tree as deep as a list.
-fn without_order(n: u32) -> Vec<u32> {
+fn without_order(n: u32) -> impl IndexedParallelIterator<Item = u32> {
     // By steps of nearly the golden section of n that have no divisor in common with it.
     let divisor = |mut a: u32, mut b: u32| {
         while b > 0 {
@@ -143,10 +162,10 @@ fn without_order(n: u32) -> Vec<u32> {
     };
     let golden = (f64::from(n) * 0.618_033_988_749_895) as u32;
     let step = (golden.max(1)..).find(|&step| divisor(n, step) == 1).unwrap_or(1);
-    (0..u64::from(n)).map(|i| (i * u64::from(step) % u64::from(n)) as u32).collect()
+    (0..n).into_par_iter().map(move |i| (u64::from(i) * u64::from(step) % u64::from(n)) as u32)
 }
 
-fn primitive_bounds(geometry: &Geometry, primitive: u32) -> [V3; 2] {
+pub(super) fn primitive_bounds(geometry: &Geometry, primitive: u32) -> [V3; 2] {
     match geometry.kind(primitive) {
         Kind::Triangle(i) => {
             let [a, b, c] = geometry.corners(i);
@@ -159,127 +178,5 @@ fn primitive_bounds(geometry: &Geometry, primitive: u32) -> [V3; 2] {
         }
         Kind::Sphere(i) => geometry.spheres[i].bounds(),
         Kind::Cylinder(i) => geometry.cylinders[i].bounds(),
-    }
-}
-
-/// How many primitives a binary subtree holds, up to 9, and whether all are triangles.
-#[derive(Clone, Copy)]
-struct Content {
-    count: u8,
-    triangles_only: bool,
-}
-
-impl Content {
-    fn fits_a_pack(self) -> bool {
-        self.triangles_only && self.count <= 8
-    }
-}
-
-struct Widener<'a> {
-    geometry: &'a Geometry,
-    binary: &'a Bvh2,
-    content: Vec<Content>,
-}
-
-impl<'a> Widener<'a> {
-    fn new(geometry: &'a Geometry, binary: &'a Bvh2) -> Widener<'a> {
-        let mut content = vec![Content { count: 0, triangles_only: true }; binary.nodes.len()];
-        // Children before parents, without recursion: trees of coincident shapes can be deep.
-        let mut order = vec![0usize];
-        let mut next = 0;
-        while next < order.len() {
-            let node = &binary.nodes[order[next]];
-            if !node.is_leaf() {
-                let first = node.first_index as usize;
-                order.extend([first, first + 1]);
-            }
-            next += 1;
-        }
-        for &i in order.iter().rev() {
-            let node = &binary.nodes[i];
-            content[i] = if node.is_leaf() {
-                let kind = geometry.kind(binary.primitive_indices[node.first_index as usize]);
-                Content { count: 1, triangles_only: matches!(kind, Kind::Triangle(_)) }
-            } else {
-                let (a, b) =
-                    (content[node.first_index as usize], content[node.first_index as usize + 1]);
-                Content {
-                    count: (a.count + b.count).min(9),
-                    triangles_only: a.triangles_only && b.triangles_only,
-                }
-            };
-        }
-        Widener { geometry, binary, content }
-    }
-
-    fn widen(&self, bvh: &mut Bvh) {
-        if self.is_closed(0) {
-            bvh.root = Some(self.leaf(0, bvh));
-            return;
-        }
-        bvh.root = Some(0);
-        bvh.nodes.push(Node::EMPTY);
-        let mut open = vec![(0usize, 0usize, 1usize)];
-        while let Some((at, wide, depth)) = open.pop() {
-            bvh.depth = bvh.depth.max(depth);
-            for (slot, &source) in self.children(at).iter().enumerate() {
-                let word = if self.is_closed(source) {
-                    self.leaf(source, bvh)
-                } else {
-                    bvh.nodes.push(Node::EMPTY);
-                    open.push((source, bvh.nodes.len() - 1, depth + 1));
-                    bvh.nodes.len() as u32 - 1
-                };
-                let bounds = self.binary.nodes[source].aabb();
-                let node = &mut bvh.nodes[wide];
-                node.child[slot] = word;
-                for axis in 0..3 {
-                    node.bounds[2 * axis][slot] = bounds.min[axis];
-                    node.bounds[2 * axis + 1][slot] = bounds.max[axis];
-                }
-            }
-        }
-    }
-
-    /// Becomes a leaf of the wide tree.
-    fn is_closed(&self, at: usize) -> bool {
-        self.binary.nodes[at].is_leaf() || self.content[at].fits_a_pack()
-    }
-
-    /// Up to eight binary subtrees under `at`: the largest is opened again and again.
-    fn children(&self, at: usize) -> Vec<usize> {
-        let first = self.binary.nodes[at].first_index as usize;
-        let mut children = vec![first, first + 1];
-        while children.len() < 8 {
-            let area = |&i: &usize| self.binary.nodes[i].aabb().half_area();
-            let largest = (0..children.len())
-                .filter(|&c| !self.is_closed(children[c]))
-                .max_by(|&a, &b| area(&children[a]).total_cmp(&area(&children[b])));
-            let Some(largest) = largest else { break };
-            let first = self.binary.nodes[children[largest]].first_index as usize;
-            children[largest] = first;
-            children.push(first + 1);
-        }
-        children
-    }
-
-    fn leaf(&self, at: usize, bvh: &mut Bvh) -> u32 {
-        if !self.content[at].triangles_only {
-            let node = &self.binary.nodes[at];
-            return QUADRIC | self.binary.primitive_indices[node.first_index as usize];
-        }
-        let mut ids = Vec::with_capacity(8);
-        let mut open = vec![at];
-        while let Some(i) = open.pop() {
-            let node = &self.binary.nodes[i];
-            let first = node.first_index as usize;
-            if node.is_leaf() {
-                ids.push(self.binary.primitive_indices[first]);
-            } else {
-                open.extend([first, first + 1]);
-            }
-        }
-        bvh.packs.push(Pack::of(self.geometry, &ids));
-        PACK | (bvh.packs.len() as u32 - 1)
     }
 }

@@ -10,8 +10,11 @@ mod cylinder;
 mod offset;
 mod plates;
 mod sphere;
+mod stream;
 mod traverse;
+mod treelets;
 mod triangle;
+mod widen;
 
 pub use bvh::Bvh;
 pub use cylinder::Cylinder;
@@ -19,6 +22,7 @@ pub use offset::offset_origin;
 pub(crate) use plates::{NO_PLATE, PlateHits};
 pub use sphere::Sphere;
 pub(crate) use sphere::intersect as intersect_spheres;
+pub use stream::Query;
 pub use traverse::{Ray, Stack};
 pub(crate) use triangle::{flat_surface, resolve, shading_normal};
 
@@ -74,7 +78,7 @@ pub enum Kind {
 }
 
 /// Where a ray met a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Hit {
     /// Distance in units of the ray's direction.
     pub t: f32,
@@ -105,6 +109,15 @@ impl Geometry {
     /// True without any primitive.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+    /// Bytes held by positions, normals, indices, materials and exact shapes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.positions[..])
+            + size_of_val(&self.normals[..])
+            + size_of_val(&self.triangles[..])
+            + size_of_val(&self.spheres[..])
+            + size_of_val(&self.cylinders[..])
+            + size_of_val(&self.material_of[..])
     }
     /// Which shape a primitive index names; it must be below [`Geometry::len`].
     #[inline(always)]

@@ -286,14 +286,10 @@ impl Plates {
         let met = self.plates[at as usize].meet(o, d, clearance);
         let this = P::Bits::splat(at);
         let own = P::equal_bits(from, this) | P::equal_bits(to, this);
-        let outside = own
-            | met.inside.lt(-met.band)
-            | met.t.lt(-met.within)
-            | met.t.gt(t_max + met.within);
-        let inside = met.inside.gt(met.band)
-            & met.t.gt(met.within)
-            & met.t.lt(t_max - met.within)
-            & !own;
+        let outside =
+            own | met.inside.lt(-met.band) | met.t.lt(-met.within) | met.t.gt(t_max + met.within);
+        let inside =
+            met.inside.gt(met.band) & met.t.gt(met.within) & met.t.lt(t_max - met.within) & !own;
         shadow.blocked = shadow.blocked | inside;
         shadow.open = shadow.open | !(outside | inside);
         inside

@@ -3,6 +3,7 @@
 use super::bvh::{Bvh, Child, Node, child};
 use super::offset::ROUNDING;
 use super::plates::Plates;
+use super::stream::Streams;
 use super::triangle::{self, Pack, Sheared};
 use super::{Geometry, Hit, Kind};
 use crate::math::lanes::{Kernel, Packet, Wide, dispatch};
@@ -27,12 +28,12 @@ impl Ray {
 
 /// Subtrees still to be visited. Made once a worker by [`Bvh::stack`] and used for all its rays.
 #[derive(Clone, Debug)]
-pub struct Stack(Box<[(f32, u32)]>);
+pub struct Stack(Box<[(f32, u32)]>, pub(super) Streams);
 
 impl Bvh {
     /// A stack deep enough for this tree.
     pub fn stack(&self) -> Stack {
-        Stack(vec![(0.0, 0); 7 * self.depth() + 9].into())
+        Stack(vec![(0.0, 0); 7 * self.depth() + 9].into(), Streams::new(self.depth()))
     }
 
     /// The nearest hit at `0 < t <= t_max`; of equally near ones the lowest primitive. A ray with
@@ -74,70 +75,66 @@ impl Bvh {
 /// Boxes are met as if grown by a margin that covers every rounding of the box test, the product
 /// of origin and inverse included, and of the triangle test's shear, so that no box is missed whose
 /// triangle would be hit. So the test may be fused or not: hits do not depend on it.
-struct Slabs<W> {
-    /// Row of the near plane of each axis; the far one is its pair.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Slabs {
+    /// Of each axis: 0 if the near planes are the low ones, else 1.
     near: [usize; 3],
-    inverse: [W; 3],
+    inverse: [f32; 3],
     /// `-origin * inverse`, with the margin, for near and far planes.
-    near_offset: [W; 3],
-    far_offset: [W; 3],
+    near_offset: [f32; 3],
+    far_offset: [f32; 3],
 }
 
-impl<W: Wide> Slabs<W> {
+impl Slabs {
     #[inline(always)]
-    fn new(ray: &Ray) -> Slabs<W> {
+    pub(super) fn new(ray: &Ray) -> Slabs {
         let (o, d) = ([ray.o.x, ray.o.y, ray.o.z], [ray.d.x, ray.d.y, ray.d.z]);
         // Coordinates of the scene are within [-1, 1].
         let margin = 16.0 * ROUNDING * (ray.o.abs().max_component() + 1.0);
         let fastest = ray.d.abs().max_component();
-        let mut slabs = Slabs {
-            near: [0; 3],
-            inverse: [W::splat(0.0); 3],
-            near_offset: [W::splat(0.0); 3],
-            far_offset: [W::splat(0.0); 3],
-        };
+        let mut slabs = Slabs::default();
         for axis in 0..3 {
             // A component too small to matter over the length of the scene still gives a finite
             // inverse, so that no 0 * infinity arises.
             let least = fastest * 1e-18;
             let along = if d[axis].abs() < least { least.copysign(d[axis]) } else { d[axis] };
             let outwards = margin.copysign(along);
-            slabs.near[axis] = 2 * axis + (along < 0.0) as usize;
+            slabs.near[axis] = (along < 0.0) as usize;
             let inverse = 1.0 / along;
-            slabs.inverse[axis] = W::splat(inverse);
-            slabs.near_offset[axis] = W::splat(-(o[axis] + outwards) * inverse);
-            slabs.far_offset[axis] = W::splat(-(o[axis] - outwards) * inverse);
+            slabs.inverse[axis] = inverse;
+            slabs.near_offset[axis] = -(o[axis] + outwards) * inverse;
+            slabs.far_offset[axis] = -(o[axis] - outwards) * inverse;
         }
         slabs
     }
 
     /// Distances to a row of planes.
     #[inline(always)]
-    fn planes(&self, row: &[f32; 8], offset: W, axis: usize) -> W {
-        W::load(row).mul_add(self.inverse[axis], offset)
+    fn planes<W: Wide>(&self, row: &[f32; 8], offset: f32, axis: usize) -> W {
+        W::load(row).mul_add(W::splat(self.inverse[axis]), W::splat(offset))
     }
 
     #[inline(always)]
-    fn near(&self, node: &Node, axis: usize) -> W {
-        self.planes(&node.bounds[self.near[axis]], self.near_offset[axis], axis)
+    fn near<W: Wide>(&self, node: &Node, axis: usize) -> W {
+        self.planes(&node.bounds[axis][self.near[axis] & 1], self.near_offset[axis], axis)
     }
 
     #[inline(always)]
-    fn far(&self, node: &Node, axis: usize) -> W {
-        self.planes(&node.bounds[self.near[axis] ^ 1], self.far_offset[axis], axis)
+    fn far<W: Wide>(&self, node: &Node, axis: usize) -> W {
+        self.planes(&node.bounds[axis][!self.near[axis] & 1], self.far_offset[axis], axis)
     }
 
     /// Entry distances, and lanes whose box is met before `t_max`.
     #[inline(always)]
-    fn test(&self, node: &Node, t_max: f32) -> (W, u32) {
-        let enter = self.near(node, 0).max(self.near(node, 1)).max(self.near(node, 2));
-        let leave = self.far(node, 0).min(self.far(node, 1)).min(self.far(node, 2));
+    pub(super) fn test<W: Wide>(&self, node: &Node, t_max: f32) -> (W, W::Mask) {
+        let enter = self.near::<W>(node, 0).max(self.near(node, 1)).max(self.near(node, 2));
+        let leave = self.far::<W>(node, 0).min(self.far(node, 1)).min(self.far(node, 2));
         let enter = enter.max(W::splat(0.0));
-        (enter, enter.le(leave.min(W::splat(t_max))).bits())
+        (enter, enter.le(leave.min(W::splat(t_max))))
     }
 }
 
-fn is_traceable(ray: &Ray) -> bool {
+pub(super) fn is_traceable(ray: &Ray) -> bool {
     let fastest = ray.d.abs().max_component();
     let finite = |v: V3| v.x.is_finite() && v.y.is_finite() && v.z.is_finite();
     finite(ray.o) && finite(ray.d) && fastest > 1e-18 && fastest < 1e18
@@ -164,26 +161,9 @@ impl Bvh {
         self.closest_in_tree::<W>(geometry, ray, &sheared, best, stack)
     }
 
-    /// [`Bvh::closest_with`] among what is not a plate.
-    #[inline(always)]
-    pub(crate) fn closest_but_plates<W: Wide>(
-        &self,
-        geometry: &Geometry,
-        ray: &Ray,
-        t_max: f32,
-        stack: &mut Stack,
-    ) -> Option<Hit> {
-        if !is_traceable(ray) {
-            return None;
-        }
-        let sheared = Sheared::new(ray.o, ray.d);
-        let best = Hit { t: t_max, primitive: u32::MAX, b: [0.0; 2] };
-        self.closest_in_tree::<W>(geometry, ray, &sheared, best, stack)
-    }
-
     /// The nearer of the best hit so far and what the tree holds.
     #[inline(always)]
-    fn closest_in_tree<W: Wide>(
+    pub(super) fn closest_in_tree<W: Wide>(
         &self,
         geometry: &Geometry,
         ray: &Ray,
@@ -194,14 +174,15 @@ impl Bvh {
         let Some(mut word) = self.root else {
             return (best.primitive != u32::MAX).then_some(best);
         };
-        let slabs = Slabs::<W>::new(ray);
+        let slabs = Slabs::new(ray);
         let stack = &mut stack.0;
         let mut top = 0;
         loop {
             match child(word) {
                 Child::Node(index) => {
                     let node = &self.nodes[index];
-                    let (enter, mut mask) = slabs.test(node, best.t);
+                    let (enter, mask) = slabs.test::<W>(node, best.t);
+                    let mut mask = mask.bits();
                     if mask != 0 {
                         let first = mask.trailing_zeros() as usize;
                         mask &= mask - 1;
@@ -258,25 +239,25 @@ impl Bvh {
 }
 
 #[inline(always)]
-fn take_nearest<W: Wide>(best: &mut Hit, pack: &Pack, ray: &Sheared) {
+pub(super) fn take_nearest<W: Wide>(best: &mut Hit, pack: &Pack, ray: &Sheared) {
     let Some(hits) = triangle::intersect::<W>(pack, ray, best.t) else { return };
-    let mut mask = hits.mask;
+    let (mut mask, t, b) = (hits.mask, hits.t.store(), hits.b.map(W::store));
     while mask != 0 {
         let i = mask.trailing_zeros() as usize;
         mask &= mask - 1;
-        take_nearer(best, hits.t[i], pack.id[i], [hits.b[0][i], hits.b[1][i]]);
+        take_nearer(best, t[i], pack.id[i], [b[0][i], b[1][i]]);
     }
 }
 
 #[inline(always)]
-fn take_nearer(best: &mut Hit, t: f32, primitive: u32, b: [f32; 2]) {
+pub(super) fn take_nearer(best: &mut Hit, t: f32, primitive: u32, b: [f32; 2]) {
     if t < best.t || (t == best.t && primitive < best.primitive) {
         *best = Hit { t, primitive, b };
     }
 }
 
 #[inline(always)]
-fn quadric(geometry: &Geometry, primitive: u32, ray: &Ray, t_max: f32) -> Option<f32> {
+pub(super) fn quadric(geometry: &Geometry, primitive: u32, ray: &Ray, t_max: f32) -> Option<f32> {
     match geometry.kind(primitive) {
         Kind::Sphere(i) => geometry.spheres[i].intersect(ray.o, ray.d, t_max),
         Kind::Cylinder(i) => geometry.cylinders[i].intersect(ray.o, ray.d, t_max),
@@ -306,22 +287,9 @@ impl Bvh {
         self.occluded_in_tree::<W>(geometry, ray, &sheared, t_max, stack)
     }
 
-    /// [`Bvh::occluded_with`] by what is not a plate.
-    #[inline(always)]
-    pub(crate) fn occluded_but_plates<W: Wide>(
-        &self,
-        geometry: &Geometry,
-        ray: &Ray,
-        t_max: f32,
-        stack: &mut Stack,
-    ) -> bool {
-        let sheared = Sheared::new(ray.o, ray.d);
-        is_traceable(ray) && self.occluded_in_tree::<W>(geometry, ray, &sheared, t_max, stack)
-    }
-
     /// Whether what the tree holds is hit at `0 < t <= t_max`.
     #[inline(always)]
-    fn occluded_in_tree<W: Wide>(
+    pub(super) fn occluded_in_tree<W: Wide>(
         &self,
         geometry: &Geometry,
         ray: &Ray,
@@ -330,7 +298,7 @@ impl Bvh {
         stack: &mut Stack,
     ) -> bool {
         let Some(root) = self.root else { return false };
-        let slabs = Slabs::<W>::new(ray);
+        let slabs = Slabs::new(ray);
         let stack = &mut stack.0;
         stack[0].1 = root;
         let mut top = 1;
@@ -339,7 +307,8 @@ impl Bvh {
             match child(stack[top].1) {
                 Child::Node(index) => {
                     let node = &self.nodes[index];
-                    let (_, mut mask) = slabs.test(node, t_max);
+                    let (_, mask) = slabs.test::<W>(node, t_max);
+                    let mut mask = mask.bits();
                     while mask != 0 {
                         let i = mask.trailing_zeros() as usize;
                         mask &= mask - 1;

@@ -11,18 +11,17 @@ const NEAR: f32 = 1.0 / 256.0;
 
 /// Eight triangles by component: `v[vertex][axis][lane]`.
 #[derive(Clone, Debug)]
-#[repr(align(32))]
+#[repr(align(64))]
 pub(super) struct Pack {
     pub v: [[[f32; 8]; 3]; 3],
     pub id: [u32; 8],
 }
 
 impl Pack {
-    /// One to eight triangles. Lanes to spare repeat the first: by the tie rule that changes nothing.
+    /// One to eight triangles. Lanes to spare hold no numbers and are never met.
     pub(super) fn of(geometry: &Geometry, ids: &[u32]) -> Pack {
-        let mut pack = Pack { v: [[[0.0; 8]; 3]; 3], id: [u32::MAX; 8] };
-        for lane in 0..8 {
-            let id = ids[if lane < ids.len() { lane } else { 0 }];
+        let mut pack = Pack { v: [[[f32::NAN; 8]; 3]; 3], id: [u32::MAX; 8] };
+        for (lane, &id) in ids.iter().enumerate().take(8) {
             pack.id[lane] = id;
             for (rows, p) in pack.v.iter_mut().zip(geometry.corners(id as usize)) {
                 for (row, x) in rows.iter_mut().zip([p.x, p.y, p.z]) {
@@ -37,7 +36,7 @@ impl Pack {
 /// A ray in the form that the triangle test wants: the axis along which it runs fastest becomes z,
 /// and space is sheared so that the ray is that axis (Woop, Benthin and Wald, "Watertight
 /// ray/triangle intersection", JCGT 2:1, 2013).
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sheared {
     k: [usize; 3],
     o: [f32; 3],
@@ -49,14 +48,12 @@ impl Sheared {
     pub(super) fn new(o: V3, d: V3) -> Sheared {
         let d = [d.x, d.y, d.z];
         let a = d.map(f32::abs);
-        let kz = if a[0] > a[1] {
-            if a[0] > a[2] { 0 } else { 2 }
-        } else if a[1] > a[2] {
-            1
-        } else {
-            2
-        };
-        let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
+        // By arithmetic: no one can foretell these branches.
+        let x_over_y = a[0] > a[1];
+        let x_first = x_over_y & (a[0] > a[2]);
+        let y_first = !x_over_y & (a[1] > a[2]);
+        let kz = 2 - 2 * x_first as usize - y_first as usize;
+        let (kx, ky) = ([1, 2, 0][kz], [2, 0, 1][kz]);
         let sz = 1.0 / d[kz];
         let o = [o.x, o.y, o.z];
         Sheared { k: [kx, ky, kz], o: [o[kx], o[ky], o[kz]], s: [d[kx] * sz, d[ky] * sz, sz] }
@@ -64,12 +61,12 @@ impl Sheared {
 }
 
 /// Hits among eight triangles.
-pub(super) struct PackHits {
+pub(super) struct PackHits<W> {
     /// Lane `i` as bit `i`.
     pub mask: u32,
-    pub t: [f32; 8],
+    pub t: W,
     /// Weights of the second and third vertex.
-    pub b: [[f32; 8]; 2],
+    pub b: [W; 2],
 }
 
 /// All of the pack's triangles that the ray meets at `0 < t <= t_max`.
@@ -78,7 +75,7 @@ pub(super) struct PackHits {
 /// rounded products has the right sign or is zero, and zeros are decided again in f64, where the
 /// products are exact. Shared vertices shear to the same numbers, so triangles agree about edges.
 #[inline(always)]
-pub(super) fn intersect<W: Wide>(pack: &Pack, ray: &Sheared, t_max: f32) -> Option<PackHits> {
+pub(super) fn intersect<W: Wide>(pack: &Pack, ray: &Sheared, t_max: f32) -> Option<PackHits<W>> {
     let zero = W::splat(0.0);
     let (ax, ay, az) = shear::<W>(&pack.v[0], ray);
     let (bx, by, bz) = shear::<W>(&pack.v[1], ray);
@@ -104,20 +101,13 @@ pub(super) fn intersect<W: Wide>(pack: &Pack, ray: &Sheared, t_max: f32) -> Opti
     let t = (u * az + v * bz + w * cz) * W::splat(ray.s[2]) * inverse;
     let ahead = inside & t.gt(zero);
     let near = ahead & t.le(W::splat(NEAR * ray.s[2].abs()));
-    if near.any() {
-        let hits = hits(ahead, t, [v, w], inverse);
-        return decide_distances(near.bits(), pack, ray, t_max, hits);
-    }
-    let hit = ahead & t.le(W::splat(t_max));
-    if !hit.any() {
-        return None;
-    }
-    Some(hits(hit, t, [v, w], inverse))
-}
-
-#[inline(always)]
-fn hits<W: Wide>(mask: W::Mask, t: W, [v, w]: [W; 2], inverse: W) -> PackHits {
-    PackHits { mask: mask.bits(), t: t.store(), b: [(v * inverse).store(), (w * inverse).store()] }
+    let (mask, t) = if near.any() {
+        let (mask, t) = decide_distances(near.bits(), ahead.bits(), pack, ray, t_max, t.store());
+        (mask, W::load(&t))
+    } else {
+        ((ahead & t.le(W::splat(t_max))).bits(), t)
+    };
+    (mask != 0).then(|| PackHits { mask, t, b: [v * inverse, w * inverse] })
 }
 
 /// Eight vertices in the ray's frame. (A function, not a closure: closures cannot be made to inline,
@@ -162,22 +152,22 @@ fn decide_edges<W: Wide>(
 #[cold]
 #[inline(never)]
 fn decide_distances(
-    lanes: u32,
+    near: u32,
+    ahead: u32,
     pack: &Pack,
     ray: &Sheared,
     t_max: f32,
-    mut hits: PackHits,
-) -> Option<PackHits> {
-    for i in (0..8).filter(|i| lanes >> i & 1 != 0) {
+    mut t: [f32; 8],
+) -> (u32, [f32; 8]) {
+    for i in (0..8).filter(|i| near >> i & 1 != 0) {
         let corners = [0, 1, 2].map(|vertex| {
             let [x, y, z] = &pack.v[vertex];
             [x[i], y[i], z[i]]
         });
-        hits.t[i] = precise_distance(corners, ray).unwrap_or(hits.t[i]);
+        t[i] = precise_distance(corners, ray).unwrap_or(t[i]);
     }
-    let is_hit = |i: &usize| hits.mask >> i & 1 != 0 && hits.t[*i] > 0.0 && hits.t[*i] <= t_max;
-    hits.mask = (0..8).filter(is_hit).fold(0, |mask, i| mask | 1 << i);
-    (hits.mask != 0).then_some(hits)
+    let is_hit = |i: &usize| ahead >> i & 1 != 0 && t[*i] > 0.0 && t[*i] <= t_max;
+    ((0..8).filter(is_hit).fold(0, |mask, i| mask | 1 << i), t)
 }
 
 /// The distance along a ray that meets the plane of these corners, from f64; `None` where it

@@ -4,7 +4,8 @@
 //! [`difference`] a picture of it, [`errata`] what a mistake does to it,
 //! [`energy`] what a model gains and loses, [`check`] the proofs of a
 //! BRDF and its sampler, [`exact`] scenes whose answer is known, [`calibrate`] whether the error
-//! bar keeps its word, [`speed`] error against passes, seconds and rays, [`plot`] its curves.
+//! bar keeps its word, [`speed`] error against passes, seconds and rays, [`plot`] its curves, [`rays`]
+//! what rays cost, [`scaling`] how the time of a path grows with what is rendered.
 
 pub mod calibrate;
 pub mod check;
@@ -15,4 +16,6 @@ pub mod error;
 pub mod exact;
 pub mod flip;
 pub mod plot;
+pub mod rays;
+pub mod scaling;
 pub mod speed;

@@ -113,8 +113,7 @@ pub(super) fn choose(mut found: Vec<Found>, primitives: usize) -> Group {
         .collect();
     let of = |trial: Trial| found.iter().filter(move |f| f.task.trial == trial);
     let work = |trial| of(trial).map(|f| f.effort.work(primitives)).sum::<f64>();
-    let spread =
-        |trial| of(trial).map(|f| spread(&f.samples, &means[f.task.which])).sum::<f64>();
+    let spread = |trial| of(trial).map(|f| spread(&f.samples, &means[f.task.which])).sum::<f64>();
     let own = spread(Trial::Own);
     let price = |group: Group| {
         let shared = spread(Trial::Shared(group));

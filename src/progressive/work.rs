@@ -1,9 +1,9 @@
 //! What the workers do: coarse blocks, then pass after pass over the tiles.
 
-use super::outlet::Outlet;
-use super::session::{Options, Shared};
 use super::canvas::Canvas;
+use super::outlet::Outlet;
 use super::pilot;
+use super::session::{Options, Shared};
 use super::{Counts, Params, ParamsError, Snapshot, State, TILE, TileGrid, TileImage};
 use crate::brdf::{Microfacet, ModelVisitor};
 use crate::film::{ErrorSums, Film};
@@ -117,7 +117,8 @@ impl Workers {
                 }
             }
             let Some(epoch) = &now else { continue };
-            let outcome = catch_unwind(AssertUnwindSafe(|| self.run(epoch, &mut films, &mut canvas)));
+            let outcome =
+                catch_unwind(AssertUnwindSafe(|| self.run(epoch, &mut films, &mut canvas)));
             if let Err(panic) = outcome {
                 let reason = failure(epoch, panic.as_ref());
                 self.outlet.send(|| epoch.snapshot(State::Failed(reason), whole_passes(&films)));
@@ -528,6 +529,7 @@ impl ModelVisitor for TraceHand<'_> {
     type Output = ();
     fn visit<M: Microfacet>(self) {
         let TraceHand { tracer, hand, pass, block, scratch, put } = self;
-        tracer.sample_hand::<M>(hand, pass, block, scratch, &mut |pixel, sample| put(pixel, sample));
+        tracer
+            .sample_hand::<M>(hand, pass, block, scratch, &mut |pixel, sample| put(pixel, sample));
     }
 }

@@ -1,5 +1,6 @@
 //! From what a reader found, in world units and f64, to a validated [`Scene`] in f32.
 
+use super::weld::{flatten, weld};
 use super::{Camera, Light, Material, MaterialId, Placement, Scene, SceneCounts, Source};
 use crate::geometry::{Bvh, Cylinder, Geometry, PrimitiveRange, Sphere};
 use crate::math::V3;
@@ -268,8 +269,11 @@ impl SceneBuilder {
             counts.bad_normals = bad;
             normals
         } else {
-            smooth_normals(&placed, &kept)
+            let mut normals = smooth_normals(&placed, &kept);
+            flatten(&mut normals, &kept);
+            normals
         };
+        let (placed, normals) = weld((placed, normals), &mut kept);
         let first = self.positions.len() as u32;
         let start = self.triangles.len();
         self.positions.extend(placed);

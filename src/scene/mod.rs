@@ -13,6 +13,7 @@ mod rays;
 pub mod read;
 mod report;
 mod source;
+mod weld;
 pub mod write;
 
 pub use builder::{MAX_COORDINATE, Mesh, MeshCounts, SceneBuilder, ShapeError};

@@ -130,7 +130,8 @@ impl Deal {
         hand.ends.clear();
         let [across, down] = self.group.shape();
         if self.group == Group::None {
-            let [xs, ys] = [0, 1].map(|axis| self.range(axis, at[axis] * PLACES[axis], PLACES[axis]));
+            let [xs, ys] =
+                [0, 1].map(|axis| self.range(axis, at[axis] * PLACES[axis], PLACES[axis]));
             hand.pixels.extend(ys.flat_map(|y| xs.clone().map(move |x| [x, y])));
             return;
         }

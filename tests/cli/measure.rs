@@ -32,6 +32,36 @@ fn latency_is_reported_with_what_it_leaves_out() {
     assert!(0.0 < p50 && p50 <= p95 && p95 <= max, "{text}");
 }
 
+#[test]
+fn rays_of_every_kind_are_counted_and_timed() {
+    let text = must(&["report", "--rays", "cornell", "--count", "500", "--repeats", "2"]);
+    for kind in ["camera", "bounce", "shadow"] {
+        let row = text.lines().find(|l| l.starts_with(kind)).unwrap_or_else(|| panic!("{text}"));
+        let cells: Vec<&str> = row.split_whitespace().collect();
+        let number = |at: usize| cells[at].parse::<f64>().unwrap();
+        assert!((1.0..=500.0).contains(&number(1)) && number(2) <= 100.0, "{row}");
+        assert!(number(4) > 0.0 && number(6) > 0.0, "{row}");
+    }
+    assert!(text.contains("38 triangles") && text.contains("bytes a shape"), "{text}");
+    for other in ["--latency", "--scaling", "--threads=1", "--passes=3"] {
+        assert_eq!(code(&run(&["report", "--rays", other])), 2, "{other}");
+    }
+}
+
+#[test]
+fn growth_is_reported_with_triangles_lights_pixels_and_threads() {
+    let text = must(&["report", "--scaling", "--largest", "1000", "--repeats", "1"]);
+    for part in ["triangles", "lights", "pixels", "threads", "speed-up", "bytes", "power"] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+    let fits = text.lines().filter(|l| l.starts_with("power ") && l.contains(" ns"));
+    assert_eq!(fits.count(), 4, "{text}");
+    for wrong in ["--largest=10", "--rays", "--size=10x10"] {
+        assert_eq!(code(&run(&["report", "--scaling", wrong])), 2, "{wrong}");
+    }
+    assert_eq!(code(&run(&["report", "--largest", "5000"])), 2);
+}
+
 /// The number in a line of `burnish compare` that begins with this name.
 fn compared(text: &str, name: &str) -> f64 {
     let line = text.lines().find(|l| l.starts_with(&format!("{name}  ")));

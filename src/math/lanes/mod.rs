@@ -143,10 +143,28 @@ pub trait Bits:
 
 /// A lane type of eight values that can be read from memory: what the traversal works on.
 pub trait Wide: Lane {
+    /// Whether it pays to trace many rays in turn: [`Wide::far_first`] and [`Wide::pick`] take no
+    /// branches, and [`Wide::prefetch`] does something.
+    const IN_TURN: bool;
     /// The eight numbers in order.
     fn load(x: &[f32; 8]) -> Self;
     /// The eight numbers in order.
     fn store(self) -> [f32; 8];
+    /// The words of those lanes that the mask has, that of the largest number first, and beside
+    /// each its number as IEEE bits of which the last four are the lane's and of no meaning. The
+    /// numbers are not negative. Returns how many; what is left of the places holds anything.
+    fn far_first(
+        self,
+        mask: Self::Mask,
+        words: &[u32; 8],
+        numbers_out: &mut [f32; 8],
+        words_out: &mut [u32; 8],
+    ) -> usize;
+    /// The words of those lanes that the mask has, side by side. Returns how many; what is left of
+    /// the places holds anything.
+    fn pick(mask: Self::Mask, words: &[u32; 8], out: &mut [u32; 8]) -> usize;
+    /// Asks for the cache line at the start of a thing and for all others that it lies in.
+    fn prefetch<T>(thing: &T);
 }
 
 /// A lane type as wide as the machine's registers, with a way into memory and out of it: what

@@ -173,6 +173,7 @@ impl Lane for F32x8 {
 }
 
 impl Wide for F32x8 {
+    const IN_TURN: bool = false;
     #[inline(always)]
     fn load(x: &[f32; 8]) -> F32x8 {
         F32x8(*x)
@@ -181,4 +182,35 @@ impl Wide for F32x8 {
     fn store(self) -> [f32; 8] {
         self.0
     }
+    #[inline(always)]
+    fn far_first(
+        self,
+        mask: Mask8,
+        words: &[u32; 8],
+        numbers_out: &mut [f32; 8],
+        words_out: &mut [u32; 8],
+    ) -> usize {
+        let mut count = 0;
+        for lane in (0..8).filter(|lane| mask.0 >> lane & 1 != 0) {
+            // Compared as bits: with the lane's in it, infinity is no number.
+            let number = f32::from_bits(self.0[lane].to_bits() & !15 | lane as u32);
+            let mut place = count;
+            while place > 0 && numbers_out[place - 1].to_bits() < number.to_bits() {
+                numbers_out[place] = numbers_out[place - 1];
+                words_out[place] = words_out[place - 1];
+                place -= 1;
+            }
+            numbers_out[place] = number;
+            words_out[place] = words[lane];
+            count += 1;
+        }
+        count
+    }
+    #[inline(always)]
+    fn pick(mask: Mask8, words: &[u32; 8], out: &mut [u32; 8]) -> usize {
+        let lanes = (0..8).filter(|lane| mask.0 >> lane & 1 != 0);
+        out.iter_mut().zip(lanes).map(|(out, lane)| *out = words[lane]).count()
+    }
+    #[inline(always)]
+    fn prefetch<T>(_: &T) {}
 }

@@ -71,6 +71,51 @@ impl Kernel for Everything {
     }
 }
 
+/// What the traversal asks of eight lanes.
+struct Choice;
+
+impl Kernel for Choice {
+    type Output = ();
+    #[inline(always)]
+    fn run<W: Wide, P: Packet>(self) {
+        for salt in 0..2000 {
+            // Zeros and equal numbers among them; infinity comes from planes beyond a flat ray.
+            let some = floats(salt);
+            let numbers: [f32; 8] = std::array::from_fn(|k| match some[k] {
+                x if x < -64.0 => 0.0,
+                x if x < 0.0 => 2.5,
+                x if x > 120.0 => f32::INFINITY,
+                x => x,
+            });
+            let all = words(salt + 5000);
+            let words: [u32; 8] = std::array::from_fn(|k| all[k]);
+            let limit = [-1.0, 0.0, 2.5, 60.0, f32::INFINITY][salt as usize % 5];
+            let mask = W::load(&numbers).le(W::splat(limit));
+            let mut kept: Vec<usize> = (0..8).filter(|&k| numbers[k] <= limit).collect();
+
+            let mut out = [0; 8];
+            assert_eq!(W::pick(mask, &words, &mut out), kept.len());
+            assert!(kept.iter().zip(out).all(|(&k, word)| words[k] == word));
+
+            let (mut far, mut order) = ([0.0; 8], [0; 8]);
+            assert_eq!(W::load(&numbers).far_first(mask, &words, &mut far, &mut order), kept.len());
+            let cut = |x: f32| x.to_bits() & !15;
+            kept.sort_by_key(|&k| std::cmp::Reverse((cut(numbers[k]), k)));
+            for (place, &k) in kept.iter().enumerate() {
+                assert_eq!((cut(far[place]), order[place]), (cut(numbers[k]), words[k]));
+            }
+            W::prefetch(&words);
+        }
+    }
+}
+
+#[test]
+fn lanes_are_chosen_and_sorted_as_loops_do() {
+    for isa in Isa::available() {
+        dispatch(isa, Choice);
+    }
+}
+
 #[test]
 fn packets_do_what_loops_do() {
     for isa in Isa::available() {

@@ -14,7 +14,7 @@ mod table;
 
 use super::{DEPTH_CAP, Effort, Hand, Part, Scratch, Tracer};
 use crate::brdf::Microfacet;
-use crate::geometry::{NO_PLATE, Ray, Stack};
+use crate::geometry::{Hit, NO_PLATE, Query, Ray, Stack};
 use crate::math::columns::{BUNDLE, Column, Columns3, FOURFOLD};
 use crate::math::lanes::{Bits, Kernel, Mask, Packet, Wide, dispatch};
 use crate::math::sequence::{Slot, Stream, pair};
@@ -47,6 +47,7 @@ pub(super) struct Bundle {
     paths: Paths,
     met: Met,
     shadows: Shadows,
+    asked: Asked,
     firsts: Firsts,
     seconds: Seconds,
     /// By place in the bundle.
@@ -278,10 +279,9 @@ impl Kernel for Start<'_> {
             let (x, y) = (paths.slot.load::<P>(at), paths.key.load::<P>(at));
             let stream = Stream::new(tracer.seed, x, y, pass);
             let [dx, dy] = pair::<P>(&stream, Slot::CAMERA);
-            let d = tracer.camera.direction(
-                (P::from_small(x) + dx) * side,
-                (P::from_small(y) + dy) * side,
-            );
+            let d = tracer
+                .camera
+                .direction((P::from_small(x) + dx) * side, (P::from_small(y) + dy) * side);
             paths.o.store(at, eye);
             paths.d.store(at, d);
             paths.beta.store(at, V3::splat(P::splat(1.0)));
@@ -400,7 +400,8 @@ impl Tracer {
         let mut alone = 0;
         let (bvh, geometry) = (self.scene.bvh(), self.scene.geometry());
         let plates = bvh.plates();
-        let (paths, met) = (&bundle.paths, &mut bundle.met);
+        let Bundle { paths, met, asked, .. } = bundle;
+        asked.clear();
         for at in (0..count).step_by(P::WIDTH) {
             let (o, d) = (paths.o.load::<P>(at), paths.d.load::<P>(at));
             let hits = plates.closest::<P>(o, d, paths.plate.load::<P>(at));
@@ -419,21 +420,27 @@ impl Tracer {
                 let lane = others.trailing_zeros() as usize;
                 others &= others - 1;
                 let ray = paths.ray(at + lane);
-                if open >> lane & 1 == 0 {
-                    let until = t[lane] + within[lane];
-                    match bvh.closest_but_plates::<W>(geometry, &ray, until, stack) {
-                        None => continue,
-                        Some(hit) if hit.t < t[lane] - within[lane] => {
-                            met.set(at + lane, Some(hit), NO_PLATE);
-                            continue;
-                        }
-                        // Too close to the plate to tell.
-                        Some(_) => {}
-                    }
+                if open >> lane & 1 != 0 {
+                    let hit = bvh.closest_with::<W>(geometry, &ray, f32::INFINITY, stack);
+                    let plate = hit.map_or(NO_PLATE, |hit| plates.plate_of(hit.primitive));
+                    met.set(at + lane, hit, plate);
+                } else {
+                    let (t, within) = (t[lane], within[lane]);
+                    asked.push(at + lane, Query { ray, t_max: t + within }, t - within);
                 }
-                let hit = bvh.closest_with::<W>(geometry, &ray, f32::INFINITY, stack);
-                let plate = hit.map_or(NO_PLATE, |hit| plates.plate_of(hit.primitive));
-                met.set(at + lane, hit, plate);
+            }
+        }
+        bvh.closest_each_but_plates::<W>(geometry, &asked.queries, stack, &mut asked.hits);
+        for ((at, query), (hit, clear)) in asked.rays().zip(asked.hits.iter().zip(&asked.clear)) {
+            match *hit {
+                None => {}
+                Some(hit) if hit.t < *clear => met.set(at, Some(hit), NO_PLATE),
+                // Too close to the plate to tell.
+                Some(_) => {
+                    let hit = bvh.closest_with::<W>(geometry, &query.ray, f32::INFINITY, stack);
+                    let plate = hit.map_or(NO_PLATE, |hit| plates.plate_of(hit.primitive));
+                    met.set(at, hit, plate);
+                }
             }
         }
         alone
@@ -443,12 +450,14 @@ impl Tracer {
     fn ask<W: Wide, P: Packet>(&self, bundle: &mut Bundle, stack: &mut Stack, sums: Sums) -> u64 {
         let mut alone = 0;
         let (bvh, geometry) = (self.scene.bvh(), self.scene.geometry());
-        let shadows = &bundle.shadows;
+        let Bundle { shadows, asked, radiance, seconds, .. } = bundle;
         let sums = match sums {
-            Sums::Radiance => &mut bundle.radiance,
-            Sums::Asked => &mut bundle.seconds.light,
-            Sums::Reflected => &mut bundle.seconds.reflected,
+            Sums::Radiance => radiance,
+            Sums::Asked => &mut seconds.light,
+            Sums::Reflected => &mut seconds.reflected,
         };
+        asked.clear();
+        asked.lit.clear();
         for at in (0..shadows.count).step_by(P::WIDTH) {
             let (o, d) = (shadows.o.load::<P>(at), shadows.d.load::<P>(at));
             let t_max = shadows.t_max.load::<P>(at);
@@ -457,33 +466,72 @@ impl Tracer {
             let between = (t_max.lt(P::splat(f32::INFINITY)) | !live).all();
             let [blocked, open] = bvh.plates().occluded::<P>(o, d, t_max, ends, live, between);
             let tree = bvh.meets_tree(o, d, t_max).bits();
-            let open = open.bits();
-            let mut seen = (live & !blocked).bits();
-            alone += u64::from((seen & (open | tree)).count_ones());
-            while seen != 0 {
-                let lane = seen.trailing_zeros() as usize;
-                seen &= seen - 1;
-                if (open | tree) >> lane & 1 != 0 {
-                    let (o, d) = (shadows.o.get(at + lane), shadows.d.get(at + lane));
-                    let (ray, t_max) =
-                        (Ray { o: o.into(), d: d.into() }, shadows.t_max.0[at + lane]);
-                    let occluded = if open >> lane & 1 != 0 {
-                        bvh.occluded_with::<W>(geometry, &ray, t_max, stack)
-                    } else {
-                        bvh.occluded_but_plates::<W>(geometry, &ray, t_max, stack)
-                    };
-                    if occluded {
-                        continue;
-                    }
+            let (open, mut lit) = (open.bits(), (live & !blocked).bits());
+            let mut unsure = lit & (open | tree);
+            alone += u64::from(unsure.count_ones());
+            while unsure != 0 {
+                let lane = unsure.trailing_zeros() as usize;
+                unsure &= unsure - 1;
+                let (o, d) = (shadows.o.get(at + lane), shadows.d.get(at + lane));
+                let ray = Ray { o: o.into(), d: d.into() };
+                let t_max = shadows.t_max.0[at + lane];
+                if open >> lane & 1 == 0 {
+                    asked.push(at + lane, Query { ray, t_max }, t_max);
+                } else if bvh.occluded_with::<W>(geometry, &ray, t_max, stack) {
+                    lit &= !(1 << lane);
                 }
-                let light = shadows.light.get(at + lane);
-                let sum = &mut sums[shadows.slot.0[at + lane] as usize];
+            }
+            asked.lit.push(lit);
+        }
+        bvh.occluded_each_but_plates::<W>(geometry, &asked.queries, stack, &mut asked.occluded);
+        for (&at, &occluded) in asked.at.iter().zip(&asked.occluded) {
+            let (part, lane) = (at as usize / P::WIDTH, at as usize % P::WIDTH);
+            asked.lit[part] &= !(u32::from(occluded) << lane);
+        }
+        for (at, &lit) in (0..).step_by(P::WIDTH).zip(&asked.lit) {
+            let mut lit = lit;
+            while lit != 0 {
+                let place = at + lit.trailing_zeros() as usize;
+                lit &= lit - 1;
+                let light = shadows.light.get(place);
+                let sum = &mut sums[shadows.slot.0[place] as usize];
                 for (sum, light) in sum.iter_mut().zip(light) {
                     *sum += light;
                 }
             }
         }
         alone
+    }
+}
+
+/// Rays that the tree is asked about, those of a bundle together, and its answers.
+#[derive(Clone, Debug, Default)]
+struct Asked {
+    /// Places in the bundle.
+    at: Vec<u32>,
+    queries: Vec<Query>,
+    /// A hit nearer than this lies before all plates.
+    clear: Vec<f32>,
+    hits: Vec<Option<Hit>>,
+    occluded: Vec<bool>,
+    /// A register's worth of places each: who sees the light.
+    lit: Vec<u32>,
+}
+
+impl Asked {
+    fn clear(&mut self) {
+        self.at.clear();
+        self.queries.clear();
+        self.clear.clear();
+    }
+    #[inline(always)]
+    fn push(&mut self, at: usize, query: Query, clear: f32) {
+        self.at.push(at as u32);
+        self.queries.push(query);
+        self.clear.push(clear);
+    }
+    fn rays(&self) -> impl Iterator<Item = (usize, &Query)> {
+        self.at.iter().map(|&at| at as usize).zip(&self.queries)
     }
 }
 

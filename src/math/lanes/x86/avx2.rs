@@ -176,6 +176,7 @@ impl Lane for Avx2 {
 }
 
 impl Wide for Avx2 {
+    const IN_TURN: bool = true;
     #[inline(always)]
     fn load(x: &[f32; 8]) -> Avx2 {
         // SAFETY: the reference is to eight readable floats; the load needs no alignment; reached
@@ -189,6 +190,58 @@ impl Wide for Avx2 {
         // exists only under AVX2 (module docs).
         unsafe { _mm256_storeu_ps(x.as_mut_ptr(), self.0) };
         x
+    }
+    #[inline(always)]
+    fn far_first(
+        self,
+        mask: Avx2Mask,
+        words: &[u32; 8],
+        numbers_out: &mut [f32; 8],
+        words_out: &mut [u32; 8],
+    ) -> usize {
+        let words = <Avx2 as Packet>::load_bits(words);
+        // SAFETY: a value of this type exists only under AVX2 (module docs).
+        let (sorted, sorted_words) = unsafe {
+            let lanes = _mm256_setr_epi32(8, 9, 10, 11, 12, 13, 14, 15);
+            let number = _mm256_andnot_si256(_mm256_set1_epi32(15), _mm256_castps_si256(self.0));
+            let number = _mm256_or_si256(number, lanes);
+            // What the mask leaves out is 0 and comes last.
+            let mut x = _mm256_and_si256(number, _mm256_castps_si256(mask.0));
+            // A sorting network: in each step the first of two partners gets the larger.
+            macro_rules! step {
+                ($partner:expr, $second:literal) => {{
+                    let partner = $partner;
+                    let (large, small) =
+                        (_mm256_max_epu32(x, partner), _mm256_min_epu32(x, partner));
+                    x = _mm256_blend_epi32::<$second>(large, small);
+                }};
+            }
+            step!(_mm256_shuffle_epi32::<0b10_11_00_01>(x), 0b1010_1010);
+            step!(_mm256_shuffle_epi32::<0b00_01_10_11>(x), 0b1100_1100);
+            step!(_mm256_shuffle_epi32::<0b10_11_00_01>(x), 0b1010_1010);
+            let reversed = _mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0);
+            step!(_mm256_permutevar8x32_epi32(x, reversed), 0b1111_0000);
+            step!(_mm256_shuffle_epi32::<0b01_00_11_10>(x), 0b1100_1100);
+            step!(_mm256_shuffle_epi32::<0b10_11_00_01>(x), 0b1010_1010);
+            (Avx2(_mm256_castsi256_ps(x)), Avx2Bits(_mm256_permutevar8x32_epi32(words.0, x)))
+        };
+        Packet::store(sorted, numbers_out);
+        <Avx2 as Packet>::store_bits(sorted_words, words_out);
+        mask.bits().count_ones() as usize
+    }
+    #[inline(always)]
+    fn pick(mask: Avx2Mask, words: &[u32; 8], out: &mut [u32; 8]) -> usize {
+        <Avx2 as Packet>::compress_bits(<Avx2 as Packet>::load_bits(words), mask, out);
+        mask.bits().count_ones() as usize
+    }
+    #[inline(always)]
+    fn prefetch<T>(thing: &T) {
+        let start: *const T = thing;
+        let start = start.cast::<i8>();
+        for line in 0..size_of::<T>().div_ceil(64) {
+            // SAFETY: a prefetch reads nothing that the program could see and never faults.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(64 * line)) };
+        }
     }
 }
 

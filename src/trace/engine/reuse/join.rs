@@ -2,7 +2,7 @@
 
 use super::super::{Bundle, lowest};
 use super::{Firsts, Runs};
-use crate::geometry::{Ray, Stack, offset_origin};
+use crate::geometry::{Query, Ray, Stack, offset_origin};
 use crate::math::V3;
 use crate::math::columns::Columns3;
 use crate::math::lanes::{Bits, Mask, Packet, Wide};
@@ -44,7 +44,8 @@ impl Tracer {
         stack: &mut Stack,
     ) -> Effort {
         let Bundle { firsts, seconds, ends, .. } = bundle;
-        let bvh = self.scene.bvh();
+        let (bvh, geometry) = (self.scene.bvh(), self.scene.geometry());
+        let mut later = std::mem::take(&mut seconds.later);
         let zero = P::splat(0.0);
         let mut effort = Effort::default();
         let mut run = Runs::new(ends);
@@ -98,42 +99,67 @@ impl Tracer {
                 let mut free = clear & !unsure;
                 if unsure != 0 {
                     effort.alone += u64::from(unsure.count_ones());
-                    free |= self.clear_one_by_one::<W, P>([o, d], unsure, open, stack);
+                    let mut parts = [[0.0; 16]; 6];
+                    for (x, part) in [o.x, o.y, o.z, d.x, d.y, d.z].into_iter().zip(&mut parts) {
+                        x.store(part);
+                    }
+                    let mut unsure = unsure;
+                    while unsure != 0 {
+                        let lane = unsure.trailing_zeros() as usize;
+                        unsure &= unsure - 1;
+                        let part = |i: usize| {
+                            V3::new(parts[i][lane], parts[i + 1][lane], parts[i + 2][lane])
+                        };
+                        let ray = Ray { o: part(0), d: part(3) };
+                        if open >> lane & 1 == 0 {
+                            let query = Query { ray, t_max: SHADOW_END };
+                            later.push(((entry as u32, (first + lane) as u32), query));
+                        } else if !bvh.occluded_with::<W>(geometry, &ray, SHADOW_END, stack) {
+                            free |= 1 << lane;
+                        }
+                    }
                 }
                 seen |= u64::from(free) << first;
             }
             seconds.seen.push(seen);
+            if later.pairs.len() >= ENOUGH {
+                later.ask::<W>(self, stack, &mut seconds.seen);
+            }
         }
+        later.ask::<W>(self, stack, &mut seconds.seen);
+        seconds.later = later;
         effort
     }
+}
 
-    /// Those of the rays that meet nothing, of the lanes for which plates alone could not tell.
+/// Rays between pairs that the tree is asked about together: so many, that they hide each other's
+/// waiting, and no more than the nearest memory holds.
+const ENOUGH: usize = 1024;
+
+#[derive(Clone, Debug, Default)]
+pub(super) struct Later {
+    /// Entry, and place in the run.
+    pairs: Vec<(u32, u32)>,
+    queries: Vec<Query>,
+    occluded: Vec<bool>,
+}
+
+impl Later {
     #[inline(always)]
-    fn clear_one_by_one<W: Wide, P: Packet>(
-        &self,
-        [o, d]: [V3<P>; 2],
-        mut lanes: u32,
-        open: u32,
-        stack: &mut Stack,
-    ) -> u32 {
-        let (bvh, geometry) = (self.scene.bvh(), self.scene.geometry());
-        let mut parts = [[0.0; 16]; 6];
-        for (x, column) in [o.x, o.y, o.z, d.x, d.y, d.z].into_iter().zip(&mut parts) {
-            x.store(column);
+    fn push(&mut self, (pair, query): ((u32, u32), Query)) {
+        self.pairs.push(pair);
+        self.queries.push(query);
+    }
+
+    /// Sets the bits of those that meet nothing.
+    #[inline(always)]
+    fn ask<W: Wide>(&mut self, tracer: &Tracer, stack: &mut Stack, seen: &mut [u64]) {
+        let (bvh, geometry) = (tracer.scene.bvh(), tracer.scene.geometry());
+        bvh.occluded_each_but_plates::<W>(geometry, &self.queries, stack, &mut self.occluded);
+        for (&(entry, place), &occluded) in self.pairs.iter().zip(&self.occluded) {
+            seen[entry as usize] |= u64::from(!occluded) << place;
         }
-        let mut clear = 0;
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize;
-            lanes &= lanes - 1;
-            let part = |i: usize| V3::new(parts[i][lane], parts[i + 1][lane], parts[i + 2][lane]);
-            let ray = Ray { o: part(0), d: part(3) };
-            let occluded = if open >> lane & 1 != 0 {
-                bvh.occluded_with::<W>(geometry, &ray, SHADOW_END, stack)
-            } else {
-                bvh.occluded_but_plates::<W>(geometry, &ray, SHADOW_END, stack)
-            };
-            clear |= u32::from(!occluded) << lane;
-        }
-        clear
+        self.pairs.clear();
+        self.queries.clear();
     }
 }

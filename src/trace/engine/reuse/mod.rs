@@ -54,6 +54,7 @@ pub(super) struct Seconds {
     f: Columns3,
     /// Which of the group see it, by bit.
     seen: Vec<u64>,
+    later: join::Later,
     /// What arrives from the asked light, by place in the bundle.
     pub(super) light: Vec<[f32; 3]>,
     /// What arrives from the sampled direction, by place in the bundle: by emission, with the

@@ -122,7 +122,9 @@ fn traced<M: Microfacet>(tracer: &Tracer, hand: &Hand, scratch: &mut Scratch) ->
 
 #[test]
 fn every_group_gets_what_the_formula_says() {
-    for (name, model) in [("cornell", Model::Ggx), ("plates", Model::Phong), ("default", Model::Ggx)] {
+    for (name, model) in
+        [("cornell", Model::Ggx), ("plates", Model::Phong), ("default", Model::Ggx)]
+    {
         let mut scene = Example::named(name).unwrap().read().unwrap().0.build();
         for isa in Isa::available() {
             scene.set_isa(isa);

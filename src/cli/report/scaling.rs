@@ -1,0 +1,79 @@
+//! `burnish report --scaling`: how the time of a path grows.
+
+use super::Args;
+use super::table::Table;
+use crate::cli::figures::significant;
+use crate::cli::{Failure, print, say, stats, values};
+use burnish::measure::scaling::{Growth, Row, Scaling, ScalingError};
+use burnish::measure::speed::Fit;
+
+/// Measures and prints, table by table.
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let scaling = Scaling {
+        largest: args.largest,
+        repeats: args.speed.repeats,
+        seed: args.speed.seed,
+        threads: args.threads,
+    };
+    print(format_args!(
+        "a ball with hills in a closed room, all diffuse; {} worker threads; medians of {} repeats, \
+         in brackets the lowest and highest\n",
+        values::worker_count(args.threads),
+        args.speed.repeats
+    ))?;
+    type Measure = fn(&Scaling) -> Result<Vec<Row>, ScalingError>;
+    let tables: [(&str, Measure); 4] = [
+        ("triangles", Scaling::triangles),
+        ("lights", Scaling::lights),
+        ("pixels", Scaling::pixels),
+        ("threads", Scaling::threads),
+    ];
+    for (what, measure) in tables {
+        say(format_args!("{what}"));
+        let rows = measure(&scaling).map_err(Failure::new)?;
+        print(table(what, &rows))?;
+    }
+    if let Some(peak) = stats::peak_mib() {
+        print(format_args!("peak memory of the program {peak:.0} MiB"))?;
+    }
+    print(LEGEND)
+}
+
+const LEGEND: &str = "path         time of tracing over paths, all workers together
+scene, tree  from shapes in memory to the scene, and the tree's part of it
+bytes        of positions, normals, indices, materials and tree, for each triangle
+power        p of the law n^p that fits best, +- its standard error
+doubling     what each doubling of n adds, +- its standard error";
+
+fn table(what: &str, rows: &[Row]) -> String {
+    let last = match what {
+        "threads" => vec!["speed-up"],
+        "triangles" => vec!["scene s", "tree s", "bytes"],
+        _ => vec![],
+    };
+    let header: Vec<&str> = [what, "path ns"].into_iter().chain(last).collect();
+    let mut table = Table::new(&header);
+    for row in rows {
+        let [median, min, max] =
+            [row.path.median, row.path.min, row.path.max].map(|t| significant(t, 3));
+        let mut cells = vec![row.n.to_string(), format!("{median} ({min}..{max})")];
+        let cost = row.scene;
+        match what {
+            "threads" => cells.push(format!("{:.2}", rows[0].path.median / row.path.median)),
+            "triangles" => cells.extend([
+                significant(cost.build, 3),
+                significant(cost.tree, 3),
+                format!("{:.1}", cost.bytes),
+            ]),
+            _ => {}
+        }
+        table.row(cells);
+    }
+    let Growth { exponent, doubling } = Growth::of(rows);
+    let fit = |fit: Option<Fit>, digits: usize| match fit {
+        None => "-".into(),
+        Some(Fit { slope, standard_error: e }) if e.is_nan() => format!("{slope:+.digits$}"),
+        Some(Fit { slope, standard_error: e }) => format!("{slope:+.digits$} +- {e:.digits$}"),
+    };
+    format!("{table}power {}, doubling {} ns\n", fit(exponent, 3), fit(doubling, 1))
+}

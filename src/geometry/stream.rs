@@ -1,0 +1,430 @@
+//! Many rays through the tree together.
+//!
+//! A ray alone waits: for memory, for the test of the box that says where to go next, for branches
+//! that no one can foretell. So a few rays are on their way at a time, each with its own stack, and
+//! take steps in turn: first all those at a node, then all those at triangles. While the ones are
+//! tested, memory fetches what the others need. Which list a ray goes to next is arithmetic, not a
+//! branch. The tests are those of a single ray, so the hits are the same bits.
+
+use super::bvh::{Bvh, PACK, QUADRIC};
+use super::traverse::{Slabs, Stack, is_traceable, quadric, take_nearer, take_nearest};
+use super::triangle::{self, Sheared};
+use super::{Geometry, Hit, Ray};
+use crate::math::lanes::{Bits, Kernel, Mask, Packet, Wide, dispatch};
+use std::marker::PhantomData;
+
+/// A ray and how far it goes.
+#[derive(Clone, Copy, Debug)]
+pub struct Query {
+    /// The ray.
+    pub ray: Ray,
+    /// Largest distance of a hit, in units of the ray's direction.
+    pub t_max: f32,
+}
+
+/// Rays of a group; there are two, and while one is tested, memory fetches what the other needs.
+const GROUP: usize = 16;
+/// In place of a child: there is nothing left to visit.
+const DONE: u32 = (1 << 31) - 1;
+/// No hit.
+const NOTHING: u32 = u32::MAX;
+/// Places of a stack below the first that is used: they say that nothing is left.
+const FLOOR: usize = 8;
+/// There is a hit, no matter where; nothing lies this side of it.
+const FOUND: Hit = Hit { t: f32::NEG_INFINITY, primitive: 0, b: [0.0; 2] };
+
+/// A ray on its way.
+#[derive(Clone, Copy, Debug, Default)]
+struct Traveller {
+    slabs: Slabs,
+    sheared: Sheared,
+    best: Hit,
+    /// Which query it is.
+    query: u32,
+    /// What it stands before.
+    word: u32,
+    /// The lowest place of its stack.
+    floor: usize,
+    /// Behind the highest one that is taken.
+    top: usize,
+}
+
+/// Memory for rays on their way.
+#[derive(Clone, Debug)]
+pub(super) struct Streams {
+    travellers: Box<[Traveller; 2 * GROUP]>,
+    /// Entry distances, with the last four bits of no meaning.
+    enter: Box<[f32]>,
+    words: Box<[u32]>,
+}
+
+impl Streams {
+    pub(super) fn new(depth: usize) -> Streams {
+        // The floor, what each level leaves behind, and eight places that may be written beyond.
+        let room = (FLOOR + 7 * depth + 1 + 8).next_multiple_of(8);
+        let traveller = |who| Traveller { floor: who * room + FLOOR, ..Traveller::default() };
+        Streams {
+            travellers: Box::new(std::array::from_fn(traveller)),
+            enter: vec![f32::NEG_INFINITY; 2 * GROUP * room].into(),
+            words: vec![DONE; 2 * GROUP * room].into(),
+        }
+    }
+}
+
+/// Travellers of a group by what they stand before.
+#[derive(Clone, Copy, Default)]
+struct Lists {
+    nodes: List,
+    packs: List,
+    /// Quadrics and the end.
+    others: List,
+}
+
+#[derive(Clone, Copy, Default)]
+struct List {
+    who: [u8; 2 * GROUP],
+    len: usize,
+}
+
+impl List {
+    #[inline(always)]
+    fn push_if(&mut self, is: bool, who: usize) {
+        self.who[self.len % (2 * GROUP)] = who as u8;
+        self.len += is as usize;
+    }
+    #[inline(always)]
+    fn iter(&self) -> impl Iterator<Item = usize> + use<'_> {
+        self.who[..self.len].iter().map(|&who| who as usize % (2 * GROUP))
+    }
+}
+
+impl Lists {
+    #[inline(always)]
+    fn push(&mut self, who: usize, word: u32) {
+        self.nodes.push_if(word >> 30 == 0, who);
+        self.packs.push_if(word >> 30 >= 2, who);
+        self.others.push_if(word >> 30 == 1, who);
+    }
+}
+
+/// What is asked about a ray.
+trait Goal {
+    type Answer: Copy;
+    const NONE: Self::Answer;
+    /// Whether one hit, wherever, ends the search.
+    const ANY: bool;
+    fn answer(best: Hit) -> Self::Answer;
+    /// The answer for a ray alone whose best hit so far is this.
+    fn alone<W: Wide>(each: &mut Each<'_, Self>, ray: &Ray, ready: &Ready) -> Self::Answer
+    where
+        Self: Sized;
+}
+
+/// A ray made ready for triangles, and its best hit among those outside the tree.
+struct Ready {
+    sheared: Sheared,
+    best: Hit,
+}
+
+struct Nearest;
+
+impl Goal for Nearest {
+    type Answer = Option<Hit>;
+    const NONE: Option<Hit> = None;
+    const ANY: bool = false;
+    #[inline(always)]
+    fn answer(best: Hit) -> Option<Hit> {
+        (best.primitive != NOTHING).then_some(best)
+    }
+    #[inline(always)]
+    fn alone<W: Wide>(each: &mut Each<'_, Nearest>, ray: &Ray, ready: &Ready) -> Option<Hit> {
+        let Ready { sheared, best } = ready;
+        each.bvh.closest_in_tree::<W>(each.geometry, ray, sheared, *best, each.stack)
+    }
+}
+
+struct Any;
+
+impl Goal for Any {
+    type Answer = bool;
+    const NONE: bool = false;
+    const ANY: bool = true;
+    #[inline(always)]
+    fn answer(best: Hit) -> bool {
+        best.primitive != NOTHING
+    }
+    #[inline(always)]
+    fn alone<W: Wide>(each: &mut Each<'_, Any>, ray: &Ray, ready: &Ready) -> bool {
+        let Ready { sheared, best } = ready;
+        let found = Any::answer(*best);
+        found || each.bvh.occluded_in_tree::<W>(each.geometry, ray, sheared, best.t, each.stack)
+    }
+}
+
+impl Bvh {
+    /// [`Bvh::closest`] of many rays, which is faster than one after the other: 500 at a time are
+    /// enough. The answers are in the order of the rays.
+    pub fn closest_each(
+        &self,
+        geometry: &Geometry,
+        queries: &[Query],
+        stack: &mut Stack,
+        hits: &mut Vec<Option<Hit>>,
+    ) {
+        let (plates, answers) = (true, hits);
+        dispatch(
+            self.isa,
+            Each::<Nearest> { bvh: self, geometry, queries, plates, stack, answers },
+        );
+    }
+
+    /// [`Bvh::occluded`] of many rays, as [`Bvh::closest_each`].
+    pub fn occluded_each(
+        &self,
+        geometry: &Geometry,
+        queries: &[Query],
+        stack: &mut Stack,
+        occluded: &mut Vec<bool>,
+    ) {
+        let (plates, answers) = (true, occluded);
+        dispatch(self.isa, Each::<Any> { bvh: self, geometry, queries, plates, stack, answers });
+    }
+
+    /// [`Bvh::closest_each`] among what is not a plate, for callers that run under an instruction
+    /// set already.
+    #[inline(always)]
+    pub(crate) fn closest_each_but_plates<W: Wide>(
+        &self,
+        geometry: &Geometry,
+        queries: &[Query],
+        stack: &mut Stack,
+        hits: &mut Vec<Option<Hit>>,
+    ) {
+        let (plates, answers) = (false, hits);
+        Each::<Nearest> { bvh: self, geometry, queries, plates, stack, answers }.answer::<W>();
+    }
+
+    /// [`Bvh::occluded_each`] by what is not a plate, for callers that run under an instruction set
+    /// already.
+    #[inline(always)]
+    pub(crate) fn occluded_each_but_plates<W: Wide>(
+        &self,
+        geometry: &Geometry,
+        queries: &[Query],
+        stack: &mut Stack,
+        occluded: &mut Vec<bool>,
+    ) {
+        let (plates, answers) = (false, occluded);
+        Each::<Any> { bvh: self, geometry, queries, plates, stack, answers }.answer::<W>();
+    }
+}
+
+/// Rays to be traced, and where the answers go.
+struct Each<'a, G: Goal> {
+    bvh: &'a Bvh,
+    geometry: &'a Geometry,
+    queries: &'a [Query],
+    /// Whether plates count.
+    plates: bool,
+    stack: &'a mut Stack,
+    answers: &'a mut Vec<G::Answer>,
+}
+
+impl<G: Goal> Kernel for Each<'_, G> {
+    type Output = ();
+    #[inline(always)]
+    fn run<W: Wide, P: Packet>(self) {
+        self.answer::<W>();
+    }
+}
+
+impl<G: Goal> Each<'_, G> {
+    #[inline(always)]
+    fn answer<W: Wide>(mut self) {
+        self.answers.clear();
+        self.answers.resize(self.queries.len(), G::NONE);
+        if W::IN_TURN {
+            self.in_turn::<W>();
+            return;
+        }
+        for (at, Query { ray, t_max }) in self.queries.iter().enumerate() {
+            if let Some(ready) = self.bvh.make_ready::<W>(ray, *t_max, self.plates) {
+                self.answers[at] = G::alone::<W>(&mut self, ray, &ready);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn in_turn<W: Wide>(self) {
+        let Each { bvh, geometry, queries, plates, stack, answers } = self;
+        let Streams { travellers, enter: distances, words } = &mut stack.1;
+        let mut source = Source::<G> { bvh, queries, plates, next: 0, goal: PhantomData };
+        let mut groups = [Lists::default(); 2];
+        let mut active = 0;
+        for (who, traveller) in travellers.iter_mut().enumerate() {
+            if !source.send::<W>(traveller, answers) {
+                break;
+            }
+            groups[who / GROUP].push(who, traveller.word);
+            active += 1;
+        }
+        while active > 0 {
+            for lists in &mut groups {
+                let (mut quadrics, mut sent) = (List::default(), List::default());
+                for who in lists.nodes.iter() {
+                    let traveller = &mut travellers[who];
+                    let node = &bvh.nodes[traveller.word as usize];
+                    let (enter, mask) = traveller.slabs.test::<W>(node, traveller.best.t);
+                    let top = traveller.top;
+                    let (Some(distances), Some(words)) = (
+                        distances.get_mut(top..).and_then(|free| free.first_chunk_mut()),
+                        words.get_mut(top..).and_then(|free| free.first_chunk_mut()),
+                    ) else {
+                        return;
+                    };
+                    traveller.top += if G::ANY {
+                        W::pick(mask, &node.child, words)
+                    } else {
+                        enter.far_first(mask, &node.child, distances, words)
+                    };
+                }
+                for who in lists.packs.iter() {
+                    let Traveller { word, best, sheared, .. } = &mut travellers[who];
+                    let pack = &bvh.packs[(*word & !PACK) as usize];
+                    if !G::ANY {
+                        take_nearest::<W>(best, pack, sheared);
+                    } else if triangle::intersect::<W>(pack, sheared, best.t).is_some() {
+                        *best = FOUND;
+                    }
+                }
+                for who in lists.others.iter() {
+                    let traveller = &mut travellers[who];
+                    if traveller.word == DONE {
+                        answers[traveller.query as usize] = G::answer(traveller.best);
+                        let another = source.send::<W>(traveller, answers);
+                        sent.push_if(another, who);
+                        active -= !another as usize;
+                        continue;
+                    }
+                    let primitive = traveller.word & !QUADRIC;
+                    let ray = &queries[traveller.query as usize].ray;
+                    if let Some(t) = quadric(geometry, primitive, ray, traveller.best.t) {
+                        if G::ANY {
+                            traveller.best = FOUND;
+                        } else {
+                            take_nearer(&mut traveller.best, t, primitive, [0.0; 2]);
+                        }
+                    }
+                    quadrics.push_if(true, who);
+                }
+                let mut after = Lists::default();
+                for who in sent.iter() {
+                    after.push(who, travellers[who].word);
+                }
+                for moved in [&lists.nodes, &lists.packs, &quadrics] {
+                    for who in moved.iter() {
+                        let traveller = &mut travellers[who];
+                        if G::ANY {
+                            traveller.pop_any(words);
+                        } else {
+                            traveller.pop::<W>(distances, words);
+                        }
+                        after.push(who, traveller.word);
+                    }
+                }
+                for who in after.nodes.iter() {
+                    W::prefetch(&bvh.nodes[travellers[who].word as usize]);
+                }
+                for who in after.packs.iter() {
+                    W::prefetch(&bvh.packs[(travellers[who].word & !PACK) as usize]);
+                }
+                *lists = after;
+            }
+        }
+    }
+}
+
+impl Bvh {
+    /// `None` for rays that hit nothing.
+    #[inline(always)]
+    fn make_ready<W: Wide>(&self, ray: &Ray, t_max: f32, plates: bool) -> Option<Ready> {
+        // No hit is at a distance below 0, and comparing with NaN would find no end.
+        if !is_traceable(ray) || t_max.is_nan() || t_max <= 0.0 {
+            return None;
+        }
+        let sheared = Sheared::new(ray.o, ray.d);
+        let mut best = Hit { t: t_max, primitive: NOTHING, b: [0.0; 2] };
+        if plates {
+            for pack in &self.large {
+                take_nearest::<W>(&mut best, pack, &sheared);
+            }
+        }
+        Some(Ready { sheared, best })
+    }
+}
+
+/// Queries not yet on their way.
+struct Source<'a, G> {
+    bvh: &'a Bvh,
+    queries: &'a [Query],
+    plates: bool,
+    next: usize,
+    goal: PhantomData<G>,
+}
+
+impl<G: Goal> Source<'_, G> {
+    /// Sends the next query on its way; false if there is none. What needs no way is answered.
+    #[inline(always)]
+    fn send<W: Wide>(&mut self, traveller: &mut Traveller, answers: &mut [G::Answer]) -> bool {
+        while let Some(Query { ray, t_max }) = self.queries.get(self.next) {
+            let query = self.next;
+            self.next += 1;
+            let Some(Ready { sheared, best }) = self.bvh.make_ready::<W>(ray, *t_max, self.plates)
+            else {
+                continue;
+            };
+            let Some(word) = self.bvh.root.filter(|_| !G::ANY || best.primitive == NOTHING) else {
+                answers[query] = G::answer(best);
+                continue;
+            };
+            let slabs = Slabs::new(ray);
+            let floor = traveller.floor;
+            let query = query as u32;
+            *traveller = Traveller { slabs, sheared, best, query, word, floor, top: floor };
+            return true;
+        }
+        false
+    }
+}
+
+impl Traveller {
+    /// Goes on to what was put aside last, or to the end if anything was hit.
+    #[inline(always)]
+    fn pop_any(&mut self, words: &[u32]) {
+        let found = self.best.primitive != NOTHING;
+        let last = if found { self.floor } else { self.top }.saturating_sub(1);
+        self.word = words[last];
+        self.top = last.max(self.floor);
+    }
+
+    /// Goes on to what was put aside last and does not lie beyond the best hit by now.
+    #[inline(always)]
+    fn pop<W: Wide>(&mut self, distances: &[f32], words: &[u32]) {
+        // Down to the floor, which lies beyond no hit.
+        while let Some((low, Some(last))) = self
+            .top
+            .checked_sub(8)
+            .map(|low| (low, distances.get(low..).and_then(|above| above.first_chunk())))
+        {
+            let known = W::from_bits(W::load(last).to_bits() & W::Bits::splat(!15));
+            let mask = known.le(W::splat(self.best.t)).bits();
+            if mask != 0 {
+                let place = low + mask.ilog2() as usize;
+                self.word = words[place];
+                self.top = place.max(self.floor);
+                return;
+            }
+            self.top = low;
+        }
+    }
+}
