@@ -8,17 +8,18 @@
 
 mod engine;
 mod errata;
-mod light;
+mod lights;
 mod reference;
 mod roulette;
 mod rules;
+mod table;
 
 use crate::brdf::{Erratum, Lobes, Model, Normals};
 use crate::geometry::Stack;
 use crate::math::{Lane, Rgb};
 use crate::scene::{Camera, CameraRays, Material, Scene};
 use engine::{Bundle, Tables};
-use light::Lights;
+use lights::Lights;
 use std::sync::Arc;
 
 /// Longest path, a safety net: roulette ends paths long before unless the scene gains energy.
@@ -170,7 +171,7 @@ impl Tracer {
         Tracer {
             surfaces,
             lights: Lights::new(&scene, materials, equally),
-            tables: Tables::new(&scene, materials),
+            tables: Tables::new(materials),
             camera: CameraRays::new(camera, scene.placement(), size),
             seed,
             max_depth: max_depth.unwrap_or(u32::MAX),

@@ -6,6 +6,7 @@ use crate::geometry::{SurfacePoint, offset_origin};
 use crate::math::lanes::{Lane, Mask, Packet};
 use crate::math::sequence::{Slot, Stream, pair, unit};
 use crate::math::{Frame, Rgb, V3};
+use crate::trace::lights::Receiver;
 use crate::trace::{Tracer, power_heuristic, roulette};
 
 impl Tracer {
@@ -24,8 +25,9 @@ impl Tracer {
     ) -> usize {
         let zero = P::splat(0.0);
         let geometry = self.scene.geometry();
-        let Tables { materials, lights } = &self.tables;
-        let asks = !lights.is_empty();
+        let Tables { materials } = &self.tables;
+        let lights = &self.lights;
+        let asks = lights.count() > 0;
         let mut going = 0;
         bundle.shadows.count = 0;
         for at in (0..count).step_by(P::WIDTH) {
@@ -64,9 +66,11 @@ impl Tracer {
             let view = material.lobes.seen_from::<M>(wo);
             let [lobe_choice, light_choice] = stream.pair_bits(Slot::choice(event));
 
+            let receiver = Receiver::new(point.p, frame, event, &material.lobes, wo);
             if asks {
                 let u = pair::<P>(&stream, Slot::light(event));
-                let light = lights.sample::<P>(geometry, &point, &frame, light_choice, u);
+                let choice = unit::<P>(light_choice);
+                let light = lights.sample::<P>(geometry, &receiver, choice, u);
                 let wi = frame.to_local(light.wi);
                 let above = M::cosine(wi.z).gt(zero) & M::cosine(point.ng.dot(light.wi)).gt(zero);
                 let asked = go & light.found & above;
@@ -74,12 +78,14 @@ impl Tracer {
                     let e = view.eval::<M>(wi);
                     let weight = power_heuristic(light.pdf, e.pdf);
                     let found = light.radiance * e.f * (M::cosine(wi.z) / light.pdf * weight);
-                    let asked = asked & !is_black(found);
+                    let o = offset_origin(point.p, point.error, point.ng, light.wi);
+                    let way = light.way_from(o);
+                    let asked = asked & way.meets & !is_black(found);
                     let shadows = &mut bundle.shadows;
                     let end = shadows.count;
-                    shadows.o.push::<P>(end, asked, light.o);
-                    shadows.d.push::<P>(end, asked, light.d);
-                    shadows.t_max.push::<P>(end, asked, light.t_max);
+                    shadows.o.push::<P>(end, asked, o);
+                    shadows.d.push::<P>(end, asked, way.d);
+                    shadows.t_max.push::<P>(end, asked, way.t_max);
                     shadows.light.push_rgb::<P>(end, asked, beta * found);
                     shadows.plates[0].push::<P>(end, asked, plate);
                     shadows.plates[1].push::<P>(end, asked, light.plate);
@@ -112,7 +118,7 @@ impl Tracer {
             paths.beta.push_rgb::<P>(going, goes, beta);
             paths.pdf.push::<P>(going, goes, next.pdf);
             paths.cos.push::<P>(going, goes, cos);
-            paths.from.push::<P>(going, goes, point.p);
+            paths.from.push::<P>(going, goes, &receiver, lights, event);
             paths.plate.push::<P>(going, goes, plate);
             paths.slot.push::<P>(going, goes, slot);
             paths.key.push::<P>(going, goes, key);
@@ -137,7 +143,8 @@ impl Tracer {
         }
         let mut light = beta * environment.splat_lanes();
         if event > 0 {
-            let other = self.tables.lights.environment_pdf(bundle.paths.cos.load::<P>(at));
+            let from = bundle.paths.from.load::<P>(at, &self.lights, event - 1);
+            let other = self.lights.environment_pdf(&from, bundle.paths.cos.load::<P>(at));
             light = light * power_heuristic(bundle.paths.pdf.load::<P>(at), other);
         }
         bundle.add::<P>(at, missed.bits(), light);
@@ -159,9 +166,9 @@ impl Tracer {
             let (mut other, mut cosine) = ([0.0; 16], [0.0; 16]);
             cos.store(&mut cosine);
             for lane in (0..P::WIDTH).filter(|lane| lanes >> lane & 1 != 0) {
-                let from = bundle.paths.from.get(at + lane).into();
+                let from = bundle.paths.from.get(at + lane, &self.lights, event - 1);
                 let (primitive, t) = (bundle.met.primitive.0[at + lane], bundle.met.t.0[at + lane]);
-                other[lane] = self.tables.lights.pdf(from, primitive, t, cosine[lane]);
+                other[lane] = self.lights.pdf(&from, primitive, t, cosine[lane]);
             }
             light = light * power_heuristic(bundle.paths.pdf.load::<P>(at), P::load(&other));
         }
