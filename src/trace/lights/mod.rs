@@ -145,20 +145,18 @@ impl Lights {
     /// Density with which [`Lights::sample`] finds the direction `wi` in which `primitive` was met
     /// at a distance, its surface at this cosine to the direction. In 1/sr.
     pub(super) fn pdf(&self, to: &Receiver, primitive: u32, distance: f32, cos: f32) -> f32 {
+        let Some(light) = self.light_of(primitive) else { return 0.0 };
+        let density = shapes::pdf(self.records.record(light), to.p, distance, cos);
+        density * self.probability(to, light)
+    }
+
+    /// The light that a primitive is, or is part of.
+    fn light_of(&self, primitive: u32) -> Option<usize> {
         let after = self.ranges.partition_point(|r| r[0] <= primitive);
-        let Some(&[first, count, base]) = after.checked_sub(1).and_then(|i| self.ranges.get(i))
-        else {
-            return 0.0;
-        };
-        if primitive - first >= count {
-            return 0.0;
-        }
-        let light = self.light_of[(base + primitive - first) as usize];
-        if light == NONE {
-            return 0.0;
-        }
-        let density = shapes::pdf(self.records.record(light as usize), to.p, distance, cos);
-        density * self.probability(to, light as usize)
+        let [first, count, base] = *self.ranges.get(after.checked_sub(1)?)?;
+        let at = primitive - first;
+        let light = (at < count).then(|| self.light_of[(base + at) as usize])?;
+        (light != NONE).then_some(light as usize)
     }
 
     /// Density with which [`Lights::sample`] finds a direction at this cosine to the normal that

@@ -178,6 +178,8 @@ pub(in crate::trace) struct Asked<P: Lane> {
     target: SurfacePoint<P>,
     is_point: P::Mask,
     is_sphere: P::Mask,
+    /// Whether the direction is from outside a sphere and in its cone: it meets it for certain.
+    is_in_cone: P::Mask,
 }
 
 /// The rest of a shadow ray whose origin is known: direction, length, and whether it meets the light
@@ -210,10 +212,9 @@ impl<P: Packet> Asked<P> {
             // nearest point will do. The traversal meets it at the same number, so just short of it
             // is short enough.
             let nearest = (centre - o).dot(self.wi).max(zero);
-            let outside = (centre - o).length().gt(radius);
             let t_max = P::select(met, t, nearest) * P::splat(1.0 - f32::EPSILON);
             way.t_max = P::select(self.is_sphere, t_max, way.t_max);
-            way.meets = met | outside | !self.is_sphere;
+            way.meets = met | self.is_in_cone | !self.is_sphere;
         }
         way
     }
@@ -282,6 +283,7 @@ pub(super) fn sample<P: Packet>(
         target: SurfacePoint { p: nothing, ng: nothing, ns: nothing, error: nothing },
         is_point,
         is_sphere,
+        is_in_cone: P::mask(0),
     };
     if is_point.any() {
         let shape = Sides::of(light);
@@ -338,8 +340,11 @@ pub(super) fn sample<P: Packet>(
         let (centre, radius) = (V3::new(light[1], light[2], light[3]), light[4]);
         let (axis, narrow, outside) = cones(centre, radius, to.p);
         let one_minus_cos = P::select(outside, narrow, P::splat(2.0));
+        // From its centre there is no axis, and need not be.
+        let axis = V3::select(outside, axis, to.frame.n);
         let wi = Frame::around(axis).to_world(warp::cone(u, one_minus_cos));
         asked.wi = V3::select(is_sphere, wi, asked.wi);
+        asked.is_in_cone = outside;
         asked.pdf = P::select(is_sphere, warp::cone_pdf(one_minus_cos), asked.pdf);
         asked.target.p = V3::select(is_sphere, centre, asked.target.p);
         asked.target.error = V3::select(is_sphere, V3::splat(radius), asked.target.error);
