@@ -202,7 +202,7 @@ impl<L: Lane> Bound<L> {
         // heights spread evenly.
         let n = to.frame.n;
         let z = n.dot(away);
-        let spread = n.abs().dot(self.half);
+        let spread = n.abs().dot(self.half).min(self.radius);
         let above = (z + spread).max(zero);
         let whole = z.ge(spread);
         let rise = L::select(whole, z, above * above);

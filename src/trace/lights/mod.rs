@@ -35,8 +35,10 @@ const FEW: usize = 16;
 /// All lights that may contribute have this share of the choice between them whatever is estimated:
 /// the bright one may be behind a wall.
 const BLIND: f32 = 1.0 / 32.0;
-/// Beside a tree the environment has a share between this and the rest.
-const LEAST_ENVIRONMENT: f32 = 0.125;
+/// At most so many branches of a tree are looked at one by one; of more than this some are walked
+/// down. The environment is beside them.
+const BRANCHES: usize = 64;
+const MOST: usize = BRANCHES + 1;
 /// Primitives without area are no lights.
 const NONE: u32 = u32::MAX;
 
@@ -44,9 +46,12 @@ const NONE: u32 = u32::MAX;
 #[derive(Debug)]
 pub(super) struct Lights {
     records: Table<FIELDS>,
-    /// Of all but the environment, which is the last light.
-    bounds: Vec<Bound>,
-    /// Of those that are more than [`FEW`].
+    /// What is looked at: every light, or branches of the tree.
+    branches: Vec<Bound>,
+    /// What they are, by place or as the tree has it. The environment, if it shines, is the last
+    /// light and the last here.
+    links: Vec<u32>,
+    /// Over lights that are more than [`FEW`].
     tree: Option<Tree>,
     /// Ranges of primitives that emit: first, count, and the first one's place in `light_of`.
     ranges: Vec<[u32; 3]>,
@@ -102,9 +107,19 @@ impl Lights {
         if sky > 0.0 {
             records.push(Shape::Environment.record(u32::MAX, environment, NO_PLATE));
         }
-        let tree = (records.len() > FEW).then(|| Tree::new(&bounds));
+        let mut links: Vec<u32> = (0..bounds.len() as u32).collect();
+        let (mut branches, mut tree, mut leaf) = (bounds, None, 0);
+        if records.len() > FEW {
+            let (over, parts) = Tree::new(&branches, BRANCHES);
+            links = parts.iter().map(|part| part.link).collect();
+            branches = parts.iter().map(|part| part.bound).collect();
+            (tree, leaf) = (Some(over), tree::LEAF);
+        }
+        if sky > 0.0 {
+            links.push(leaf | (records.len() as u32 - 1));
+        }
         let records = Table::new(records);
-        Lights { records, bounds, tree, ranges, light_of, environment, sky, equally }
+        Lights { records, branches, links, tree, ranges, light_of, environment, sky, equally }
     }
 
     /// How many there are, the environment included if it shines.
@@ -173,65 +188,56 @@ impl Lights {
         if self.equally {
             return density * P::splat(1.0 / self.count() as f32);
         }
-        if let Some(tree) = &self.tree {
-            return density * self.environment_share(tree, to);
-        }
-        let mut weights = [P::splat(0.0); FEW];
+        let mut weights = [P::splat(0.0); MOST];
         let total = self.weigh(to, &mut weights);
-        density * (weights[self.count() - 1] / total)
+        density * (weights[self.branches.len()] / total)
     }
 
     #[inline(always)]
     fn choose<P: Packet>(&self, to: &Receiver<P>, choice: P) -> Choice<P> {
         let (zero, one) = (P::splat(0.0), P::splat(1.0));
-        let count = self.count();
-        if count == 1 {
+        if self.count() == 1 {
             return Choice { index: P::Bits::splat(0), probability: one, rest: choice };
         }
         if self.equally {
             return self.choose_equally(choice);
         }
-        if let Some(tree) = &self.tree {
-            let share = self.environment_share(tree, to);
-            let beyond = choice.lt(share);
-            let width = P::select(beyond, share, one - share);
-            let rest = P::select(beyond, choice, choice - share) / width;
-            let mut chosen = tree.choose(to, rest.max(zero).min(P::splat(ALMOST_ONE)));
-            let last = P::Bits::splat(count as u32 - 1);
-            chosen.index = P::select_bits(beyond, last, chosen.index);
-            chosen.probability = width * P::select(beyond, one, chosen.probability);
-            return chosen;
-        }
-        let mut weights = [zero; FEW];
+        let mut weights = [zero; MOST];
         let total = self.weigh(to, &mut weights);
         let wanted = choice * total;
         let (mut index, mut start, mut width) = (P::Bits::splat(0), zero, zero);
         let mut end = zero;
-        for (i, &weight) in (0..).zip(&weights[..count]) {
+        for (&link, &weight) in self.links.iter().zip(&weights) {
             let here = end.le(wanted) & weight.gt(zero);
-            index = P::select_bits(here, P::Bits::splat(i), index);
+            index = P::select_bits(here, P::Bits::splat(link), index);
             start = P::select(here, end, start);
             width = P::select(here, weight, width);
             end = end + weight;
         }
         let rest = ((wanted - start) / width).max(zero).min(P::splat(ALMOST_ONE));
-        Choice { index, probability: (width / total).or_zero(total.gt(zero)), rest }
+        let probability = (width / total).or_zero(total.gt(zero));
+        let chosen = Choice { index, probability, rest };
+        match &self.tree {
+            Some(tree) => tree.choose(to, chosen),
+            None => chosen,
+        }
     }
 
-    /// The weights by which one of a few lights is chosen, and their sum.
+    /// The weights by which one of the branches or the environment is chosen, and their sum.
     #[inline(always)]
-    fn weigh<P: Packet>(&self, to: &Receiver<P>, weights: &mut [P; FEW]) -> P {
+    fn weigh<P: Packet>(&self, to: &Receiver<P>, weights: &mut [P; MOST]) -> P {
         let zero = P::splat(0.0);
-        let count = self.count();
         let mut sum = zero;
-        for (weight, bound) in weights.iter_mut().zip(&self.bounds) {
+        for (weight, bound) in weights.iter_mut().zip(&self.branches) {
             *weight = bound.splat().estimate(to);
             sum = sum + *weight;
         }
         if self.sky > 0.0 {
-            weights[count - 1] = estimate::environment(self.sky, to);
-            sum = sum + weights[count - 1];
+            let sky = &mut weights[self.branches.len()];
+            *sky = estimate::environment(self.sky, to);
+            sum = sum + *sky;
         }
+        let count = self.links.len();
         let blind = sum * P::splat(BLIND / count as f32);
         let mut total = zero;
         for weight in &mut weights[..count] {
@@ -239,17 +245,6 @@ impl Lights {
             total = total + *weight;
         }
         total
-    }
-
-    /// The probability that the environment is asked, which is a light beside the tree.
-    #[inline(always)]
-    fn environment_share<P: Packet>(&self, tree: &Tree, to: &Receiver<P>) -> P {
-        if self.sky <= 0.0 {
-            return P::splat(0.0);
-        }
-        let sky = estimate::environment(self.sky, to);
-        let share = sky / (sky + tree.root.splat().estimate(to));
-        share.max(P::splat(LEAST_ENVIRONMENT)).min(P::splat(1.0 - LEAST_ENVIRONMENT))
     }
 
     /// The probability with which a light other than the environment is chosen.
@@ -260,13 +255,16 @@ impl Lights {
         if self.equally {
             return 1.0 / self.count() as f32;
         }
-        if let Some(tree) = &self.tree {
-            let rest = 1.0 - self.environment_share::<f32>(tree, to);
-            return rest * tree.probability(to, light);
-        }
-        let mut weights = [0.0; FEW];
+        let mut weights = [0.0; MOST];
         let total = self.weigh::<f32>(to, &mut weights);
-        if total > 0.0 { weights[light] / total } else { 0.0 }
+        let share = |branch: usize| if total > 0.0 { weights[branch] / total } else { 0.0 };
+        match &self.tree {
+            Some(tree) => {
+                let branch = tree.branch_of(light);
+                share(branch) * tree.probability(to, self.links[branch], light)
+            }
+            None => share(light),
+        }
     }
 
     #[cold]

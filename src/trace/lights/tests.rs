@@ -103,6 +103,18 @@ fn places(scene: &Scene) -> Vec<(V3, V3)> {
     points.into_iter().flat_map(|p| normals.map(|n| (p, n))).collect()
 }
 
+/// Of every light but the environment.
+fn bounds(scene: &Scene) -> Vec<Bound> {
+    let radiance = |m: u32| Rgb::from(scene.materials()[m as usize].emission).luminance();
+    let brightest = scene.surfaces().iter().map(|s| radiance(s.material)).fold(0.0, f32::max);
+    let of = |s: &crate::scene::Light| {
+        let luminance = radiance(s.material) / brightest;
+        let shapes = if luminance > 0.0 { shapes::of(scene.geometry(), s.shape) } else { vec![] };
+        shapes.into_iter().map(|(shape, _)| shape.bound(luminance)).collect::<Vec<_>>()
+    };
+    scene.surfaces().iter().flat_map(of).collect()
+}
+
 /// However many lights there are, each is chosen as often as its probability says; no light that
 /// could contribute is left out, and the probabilities sum to 1.
 #[test]
@@ -110,13 +122,14 @@ fn lights_are_chosen_with_their_probabilities() {
     for (more, sky) in [(0, 0.0), (0, 0.2), (3, 0.2), (40, 0.0), (300, 0.3)] {
         let scene = lamps(more, sky);
         let lights = Lights::new(&scene, scene.materials(), false);
+        let bounds = bounds(&scene);
         let beyond = usize::from(sky > 0.0);
         assert_eq!(lights.tree.is_some(), lights.count() > FEW);
         for (i, (p, n)) in places(&scene).into_iter().enumerate() {
             for event in [0, 3] {
                 let to = receiver(p, n, event);
                 let mut expected: Vec<f32> =
-                    (0..lights.bounds.len()).map(|i| lights.probability(&to, i)).collect();
+                    (0..bounds.len()).map(|i| lights.probability(&to, i)).collect();
                 if beyond > 0 {
                     let density = warp::cosine_hemisphere_pdf(1.0);
                     expected.push(lights.environment_pdf(&to, 1.0) / density);
@@ -125,9 +138,7 @@ fn lights_are_chosen_with_their_probabilities() {
                 // A node may promise what none of its lights can give.
                 let most = 1.0 + 1e-4;
                 assert!(sum < most && (sum > 2.0 - most || more > 16), "{more} {i} {event}: {sum}");
-                for (light, (bound, probability)) in
-                    lights.bounds.iter().zip(&expected).enumerate()
-                {
+                for (light, (bound, probability)) in bounds.iter().zip(&expected).enumerate() {
                     let at_all = bound.estimate(&to) > 0.0;
                     assert_eq!(*probability > 0.0, at_all, "{more} {i} {event}: {light}");
                 }
@@ -198,11 +209,9 @@ fn estimates_follow_what_lights_give() {
     for more in [4, 200] {
         let scene = lamps(more, 0.0);
         let lights = Lights::new(&scene, scene.materials(), false);
-        let powers: Vec<f64> = lights
-            .bounds
-            .iter()
-            .map(|b| f64::from(b.luminance) * f64::from(b.area))
-            .collect();
+        let bounds = bounds(&scene);
+        let powers: Vec<f64> =
+            bounds.iter().map(|b| f64::from(b.luminance) * f64::from(b.area)).collect();
         let power: f64 = powers.iter().sum();
         for (event, at_least) in [(0, 2.0), (1, 1.5)] {
             let (mut ours, mut by_power) = (0.0, 0.0);
@@ -211,28 +220,23 @@ fn estimates_follow_what_lights_give() {
                 let frame = Frame::around(n);
                 let wo = frame.to_local((n + V3::new(0.4, 0.3, 0.2)).normalize());
                 let to = Receiver::new(p, frame, event, &view, wo);
-                let (mut mean, mut a, mut b, mut c) = (0.0, 0.0, 0.0, 0.0);
-                let ests: Vec<f64> = lights.bounds.iter().map(|b| b.estimate(&to).into()).collect();
-                let est: f64 = ests.iter().sum();
+                let (mut mean, mut a, mut b) = (0.0, 0.0, 0.0);
                 for (light, own) in powers.iter().enumerate() {
                     let gives = truth(&lights, scene.geometry(), &to, light, &view, wo);
                     let probability = f64::from(lights.probability(&to, light));
                     assert!(gives >= 0.0 && gives.is_finite());
                     if gives > 0.0 {
                         assert!(probability > 0.0, "{more} {i} {event}: {light} gives {gives}");
-                        c += gives * gives / (ests[light] / est);
                         a += gives * gives / probability;
                         b += gives * gives / (own / power);
                     }
                     mean += gives;
                 }
                 if mean > 0.0 {
-                    eprintln!("{more} {event} {i}: {:.2} {:.2} {:.2}", c / (mean * mean) - 1.0, a / (mean * mean) - 1.0, b / (mean * mean) - 1.0);
                     ours += a / (mean * mean) - 1.0;
                     by_power += b / (mean * mean) - 1.0;
                 }
             }
-            eprintln!("{more} {event}: {} {}", ours / 30.0, by_power / 30.0);
             assert!(ours * at_least < by_power, "{more} {event}: {ours} {by_power}");
         }
     }
@@ -266,7 +270,8 @@ fn asked_and_met_have_one_density() {
                     let Some(hit) = hit.filter(|_| way.meets) else {
                         if way.t_max == f32::INFINITY {
                             let density = lights.environment_pdf(&to, asked.wi.dot(n));
-                            assert!((density / asked.pdf - 1.0).abs() < 1e-4);
+                            let off = (density / asked.pdf - 1.0).abs();
+                            assert!(off < 1e-4 || asked.wi.dot(n) < 0.02, "{off}");
                             beyond += 1;
                         }
                         continue;
@@ -281,7 +286,10 @@ fn asked_and_met_have_one_density() {
                     if lights.light_of(hit.primitive) != Some(light) {
                         continue;
                     }
-                    if (end - surface.p).length() > 5e-6 || cos < 0.02 || distance < 1e-2 {
+                    // On a cylinder's rim another face may be met.
+                    let rim = v < 1e-6 && matches!(geometry.kind(hit.primitive), Kind::Cylinder(_));
+                    let clear = cos > 0.02 && distance > 1e-2 && !rim;
+                    if !clear || (end - surface.p).length() > 5e-6 {
                         continue;
                     }
                     let density = lights.pdf(&to, hit.primitive, hit.t, cos);
@@ -446,7 +454,7 @@ fn two_triangles_that_make_a_parallelogram_are_one_light() {
     let scene = b.build();
     let lights = Lights::new(&scene, scene.materials(), false);
     assert_eq!((lights.count(), lights.light_of.len()), (20, 40));
-    let area: f32 = lights.bounds.iter().map(|b| b.area).sum();
+    let area: f32 = bounds(&scene).iter().map(|b| b.area).sum();
     let whole: f32 = (0..40).map(|i| area_of(scene.geometry(), i)).sum();
     assert!((area / whole - 1.0).abs() < 1e-5);
 }

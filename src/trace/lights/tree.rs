@@ -13,7 +13,7 @@ use crate::trace::table::Table;
 use std::f32::consts::{FRAC_PI_2, PI};
 
 /// A link with this bit names a light.
-const LEAF: u32 = 1 << 31;
+pub(super) const LEAF: u32 = 1 << 31;
 /// The least share of a side that may give any light at all: what is in between is not known.
 const LEAST: f32 = 1.0 / 256.0;
 /// Planes tried along each axis.
@@ -24,35 +24,83 @@ const CAREFUL: u32 = 32;
 /// Two bounds and two links.
 const RECORD: usize = 2 * FIELDS + 2;
 
-/// Lights below their nodes. At least two.
+/// Lights below their nodes.
 #[derive(Debug)]
 pub(super) struct Tree {
     nodes: Table<RECORD>,
-    /// The way to each light from the root: bit k says that step k goes to the second side.
-    ways: Vec<u64>,
-    /// All lights.
-    pub(super) root: Bound,
+    /// For each light the branch that it is on, and the way from there: bit k says that step k goes
+    /// to the second side.
+    ways: Vec<(u32, u64)>,
+}
+
+/// A part of the tree: one light or many.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Branch {
+    pub(super) bound: Bound,
+    pub(super) link: u32,
+    depth: u32,
+}
+
+impl Branch {
+    /// How much may go wrong where it is taken for one light; nothing if it is one.
+    fn error(&self) -> f32 {
+        let b = &self.bound;
+        if self.link >= LEAF { -1.0 } else { b.luminance * b.area * b.radius * b.radius }
+    }
 }
 
 impl Tree {
-    pub(super) fn new(bounds: &[Bound]) -> Tree {
+    /// The tree over some lights, at least two, with the branches at which to enter it, at most
+    /// `most`.
+    pub(super) fn new(bounds: &[Bound], most: usize) -> (Tree, Vec<Branch>) {
         let mut order: Vec<u32> = (0..bounds.len() as u32).collect();
-        let mut builder = Builder {
-            bounds,
-            nodes: Vec::with_capacity(bounds.len()),
-            ways: vec![0; bounds.len()],
-        };
-        let (root, _) = builder.build(&mut order, 0, 0);
-        Tree { nodes: Table::new(builder.nodes), ways: builder.ways, root }
+        let ways = vec![(0, 0); bounds.len()];
+        let mut builder = Builder { bounds, nodes: Vec::with_capacity(bounds.len()), ways };
+        let (bound, link) = builder.build(&mut order, 0, 0);
+        let Builder { nodes, mut ways, .. } = builder;
+        let mut branches = vec![Branch { bound, link, depth: 0 }];
+        while branches.len() < most {
+            let errors = branches.iter().map(Branch::error).enumerate();
+            let Some((i, _)) = errors.filter(|e| e.1 >= 0.0).max_by(|a, b| a.1.total_cmp(&b.1))
+            else {
+                break;
+            };
+            let Branch { link, depth, .. } = branches[i];
+            let node = &nodes[link as usize];
+            let side = |side: usize| Branch {
+                bound: Bound::from_fields(&node[side * FIELDS..(side + 1) * FIELDS]),
+                link: node[2 * FIELDS + side].to_bits(),
+                depth: depth + 1,
+            };
+            branches[i] = side(0);
+            branches.push(side(1));
+        }
+        for (i, branch) in (0..).zip(&branches) {
+            let mut open = vec![branch.link];
+            while let Some(link) = open.pop() {
+                if link >= LEAF {
+                    let (on, way) = &mut ways[(link & !LEAF) as usize];
+                    (*on, *way) = (i, *way >> branch.depth);
+                } else {
+                    let sides = [0, 1].map(|side| nodes[link as usize][2 * FIELDS + side]);
+                    open.extend(sides.map(f32::to_bits));
+                }
+            }
+        }
+        (Tree { nodes: Table::new(nodes), ways }, branches)
     }
 
-    /// The light that a uniform number chooses.
+    /// The branch that a light is on.
+    pub(super) fn branch_of(&self, light: usize) -> usize {
+        self.ways[light].0 as usize
+    }
+
+    /// The light that a choice among the branches leads to, their links being in `index`.
     #[inline(always)]
-    pub(super) fn choose<P: Packet>(&self, to: &Receiver<P>, number: P) -> Choice<P> {
+    pub(super) fn choose<P: Packet>(&self, to: &Receiver<P>, mut choice: Choice<P>) -> Choice<P> {
         let (zero, one) = (P::splat(0.0), P::splat(1.0));
         let leaf = P::Bits::splat(LEAF);
-        let mut link = P::Bits::splat(0);
-        let mut choice = Choice { index: link, probability: one, rest: number };
+        let mut link = choice.index;
         let mut on_the_way = P::less_bits(link, leaf);
         while on_the_way.any() {
             let node = self.nodes.get::<P>(link);
@@ -72,9 +120,9 @@ impl Tree {
         choice
     }
 
-    /// The probability with which [`Tree::choose`] takes a light.
-    pub(super) fn probability(&self, to: &Receiver, light: usize) -> f32 {
-        let (mut way, mut link, mut probability) = (self.ways[light], 0, 1.0);
+    /// The probability with which [`Tree::choose`] takes a light of the branch with this link.
+    pub(super) fn probability(&self, to: &Receiver, mut link: u32, light: usize) -> f32 {
+        let (mut way, mut probability) = (self.ways[light].1, 1.0);
         while link < LEAF {
             let node = self.nodes.record(link as usize);
             let (share, any) = first_share(node, to);
@@ -105,14 +153,14 @@ fn first_share<P: Packet>(node: &[P; RECORD], to: &Receiver<P>) -> (P, P::Mask) 
 struct Builder<'a> {
     bounds: &'a [Bound],
     nodes: Vec<[f32; RECORD]>,
-    ways: Vec<u64>,
+    ways: Vec<(u32, u64)>,
 }
 
 impl Builder<'_> {
     /// The tree of some lights, at most 2^31, with its bound.
     fn build(&mut self, lights: &mut [u32], depth: u32, way: u64) -> (Bound, u32) {
         if let [light] = *lights {
-            self.ways[light as usize] = way;
+            self.ways[light as usize].1 = way;
             return (self.bounds[light as usize], LEAF | light);
         }
         let middle = self.split(lights, depth);
