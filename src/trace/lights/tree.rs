@@ -103,7 +103,7 @@ impl Tree {
         let mut link = choice.index;
         let mut on_the_way = P::less_bits(link, leaf);
         while on_the_way.any() {
-            let node = self.nodes.get::<P>(link);
+            let node = self.nodes.get_some::<P>(link, on_the_way.bits());
             let (share, any) = first_share(&node, to);
             let first = choice.rest.lt(share);
             let width = P::select(first, share, one - share);
