@@ -92,7 +92,7 @@ pub fn sin_cos_2pi<L: Lane>(u: L) -> (L, L) {
     (L::from_bits(sin.to_bits() ^ flip_sin), L::from_bits(cos.to_bits() ^ flip_cos))
 }
 
-/// `atan(y / x)` for x >= 0, from -pi/2 to pi/2; 0 where both are 0. Absolute error 1.5e-7.
+/// `atan(y / x)` for x >= 0, from -pi/2 to pi/2; 0 where both are 0. Absolute error 2e-7.
 #[inline(always)]
 pub fn atan_ratio<L: Lane>(y: L, x: L) -> L {
     let a = y.abs();
