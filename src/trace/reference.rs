@@ -120,7 +120,7 @@ impl Tracer {
             let u = pair::<f32>(stream, Slot::light(event));
             let choice = rules.light_choice(light_choice);
             let (p, lobes) = (vertex.point.p, view.lobes());
-            let receiver = Receiver::new(p, vertex.frame, event, lobes, vertex.wo);
+            let receiver = Receiver::new(p, vertex.frame, event == 0, lobes, vertex.wo);
             if self.lights.count() > 0
                 && let light = self.lights.sample(geometry, &receiver, choice, u)
                 && light.found

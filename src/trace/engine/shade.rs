@@ -66,7 +66,8 @@ impl Tracer {
             let view = material.lobes.seen_from::<M>(wo);
             let [lobe_choice, light_choice] = stream.pair_bits(Slot::choice(event));
 
-            let receiver = Receiver::new(point.p, frame, event, &material.lobes, wo);
+            let first = event == 0 && lights.choose_by_place();
+            let receiver = Receiver::new(point.p, frame, first, &material.lobes, wo);
             if asks {
                 let u = pair::<P>(&stream, Slot::light(event));
                 let choice = unit::<P>(light_choice);

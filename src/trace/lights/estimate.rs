@@ -34,17 +34,17 @@ impl<L: Lane> Receiver<L> {
     pub(in crate::trace) const SURFACE: usize = 6;
     pub(in crate::trace) const NUMBERS: usize = 13;
 
-    /// A surface with this frame, and at the camera's vertex with what the viewer `wo` sees there.
+    /// A surface with this frame, and, at the camera's or `first` vertex, with what the viewer `wo` sees there.
     /// Later vertices may have several viewers, which have to agree on the densities.
     #[inline(always)]
     pub(in crate::trace) fn new(
         p: V3<L>,
         frame: Frame<L>,
-        event: u32,
+        first: bool,
         lobes: &Lobes<L>,
         wo: V3<L>,
     ) -> Receiver<L> {
-        let seen = if event == 0 { Some(Seen::new(lobes, wo)) } else { None };
+        let seen = if first { Some(Seen::new(lobes, wo)) } else { None };
         Receiver { p, frame, seen }
     }
 

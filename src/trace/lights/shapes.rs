@@ -16,7 +16,7 @@ const SHADOW_END: f32 = 1.0 - 16.0 * f32::EPSILON;
 /// coordinate, as for any triangle.
 const ERROR: f32 = 8.0 * f32::EPSILON;
 /// A rectangle is near where the square of its diagonal is more than this part of the distance's...
-const NEAR: f32 = 0.5;
+const NEAR: f32 = 2.0;
 /// ...and it does not look so narrow, in sr by its middle, that rounding would show.
 const LEAST_ANGLE: f32 = 0.02;
 /// A rectangle's corner is a right angle to within this cosine.

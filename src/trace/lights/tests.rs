@@ -37,7 +37,7 @@ fn lobes(kd: f32, ks: f32, alpha: f64) -> Lobes {
 fn receiver(p: V3, n: V3, event: u32) -> Receiver {
     let frame = Frame::around(n);
     let wo = frame.to_local((n + V3::new(0.4, 0.3, 0.2)).normalize());
-    Receiver::new(p, frame, event, &lobes(0.3, 0.5, 0.1), wo)
+    Receiver::new(p, frame, event == 0, &lobes(0.3, 0.5, 0.1), wo)
 }
 
 fn lamp(b: &mut SceneBuilder, x: f64) -> MaterialId {
@@ -219,7 +219,7 @@ fn estimates_follow_what_lights_give() {
                 let view = lobes(0.3, if event == 0 { 0.5 } else { 0.0 }, 0.1);
                 let frame = Frame::around(n);
                 let wo = frame.to_local((n + V3::new(0.4, 0.3, 0.2)).normalize());
-                let to = Receiver::new(p, frame, event, &view, wo);
+                let to = Receiver::new(p, frame, event == 0, &view, wo);
                 let (mut mean, mut a, mut b) = (0.0, 0.0, 0.0);
                 for (light, own) in powers.iter().enumerate() {
                     let gives = truth(&lights, scene.geometry(), &to, light, &view, wo);
