@@ -341,7 +341,7 @@ fn shadow_tolerance_depends_on_the_unit_of_length() {
     };
     let scenes = [2f64.powi(-10), 8.0, 1024.0].map(scene);
     assert_eq!(mean(&scenes[0], 16), mean(&scenes[2], 16));
-    let [small, middle, large] = scenes.map(|p| factor(&p, Erratum::ShadowTolerance, 16));
+    let [small, middle, large] = scenes.map(|p| factor(&p, Erratum::ShadowTolerance, 64));
     close("in small units", small, 1.0, 0.01);
     // At last only those hits count that round to the very point.
     assert!(large < 0.3 && (large..0.95).contains(&middle), "{middle} and {large}");

@@ -2,7 +2,9 @@
 
 mod support;
 
-use burnish::math::special::{erf, erfc_inv, erfc_scaled, exp, exp_m1, ln, ln_1p, sin_cos_2pi};
+use burnish::math::special::{
+    atan_ratio, erf, erfc_inv, erfc_scaled, exp, exp_m1, ln, ln_1p, sin_cos_2pi,
+};
 use support::erfc;
 
 /// Largest of `f`'s relative errors over an even sweep of `[a, b]`.
@@ -49,6 +51,19 @@ fn sine_and_cosine() {
     }
     assert_eq!(sin_cos_2pi(0.25f32).0, 1.0);
     assert_eq!(sin_cos_2pi(0.5f32).1, -1.0);
+}
+
+#[test]
+fn arc_tangents_of_ratios() {
+    for i in -1000..=1000 {
+        let y = i as f32 / 300.0;
+        for x in [0.0, 1e-30, 1e-3, 0.1, 0.999, 1.0, 3.0, 1e30] {
+            let truth = f64::from(y).atan2(f64::from(x));
+            let off = (f64::from(atan_ratio(y, x)) - truth).abs();
+            assert!(off < 2e-7, "{y} / {x}: {off}");
+        }
+    }
+    assert_eq!(atan_ratio(0.0f32, 0.0), 0.0);
 }
 
 #[test]

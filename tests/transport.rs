@@ -136,6 +136,26 @@ fn lit_room(lamp_shape: usize) -> Arc<Scene> {
                 .unwrap();
         }
         4 => b.environment = [0.6, 0.7, 0.8],
+        5 => {
+            // Forty of every kind, near and far, in view and out of it, and the environment.
+            b.environment = [0.05, 0.1, 0.1];
+            for i in 0..40 {
+                let part = |x: f64| (x * f64::from(i + 1)).fract();
+                let p = DVec3::new(part(0.618_034), part(0.754_878), part(0.569_84));
+                let p = p * DVec3::new(3.2, 2.6, 1.8) + DVec3::new(-1.6, -0.9, -0.8);
+                match i % 4 {
+                    0 => b.sphere(p, 0.15, lamp).unwrap(),
+                    1 => b.cuboid(p, DVec3::new(0.2, 0.3, 0.0), lamp).unwrap(),
+                    2 => b.cuboid(p, DVec3::new(0.0, 0.2, 0.2), lamp).unwrap(),
+                    _ => b.cylinder(p, DVec3::new(0.2, 0.0, 0.2), 0.06, lamp).unwrap(),
+                }
+            }
+        }
+        6 => {
+            // A lamp as large as the floor and close to it.
+            let (low, side) = (DVec3::new(-2.0, -2.0, -0.7), DVec3::new(1.5, 4.0, 0.0));
+            b.cuboid(low, side, lamp).unwrap();
+        }
         _ => {
             // A surface that emits and reflects, beside the environment.
             b.environment = [0.1, 0.1, 0.2];
@@ -151,7 +171,7 @@ fn lit_room(lamp_shape: usize) -> Arc<Scene> {
 
 #[test]
 fn light_only_bsdf_only_and_mis_agree() {
-    for lamp in 0..6 {
+    for lamp in 0..8 {
         let scene = lit_room(lamp);
         for model in Model::ALL {
             let of = |strategy| {

@@ -67,11 +67,17 @@ impl<L: Lane> Lobes<L> {
     #[inline(always)]
     pub fn p_specular(&self, wo: V3<L>) -> L {
         let zero = L::splat(0.0);
-        let specular = schlick(self.ks, schlick_weight(L::splat(1.0) - wo.z)).luminance();
-        let diffuse = self.kd.luminance();
+        let [diffuse, specular] = self.reflectances(wo);
         let share = (specular / (specular + diffuse)).max(L::splat(0.05)).min(L::splat(0.95));
         let share = L::select(diffuse.gt(zero), share, L::splat(1.0));
         share.or_zero(self.has_specular())
+    }
+
+    /// Luminance of the diffuse reflectance and of Fresnel's at a mirror, seen from `wo`.
+    #[inline(always)]
+    pub(crate) fn reflectances(&self, wo: V3<L>) -> [L; 2] {
+        let specular = schlick(self.ks, schlick_weight(L::splat(1.0) - wo.z)).luminance();
+        [self.kd.luminance(), specular.or_zero(self.has_specular())]
     }
 
     /// Whether there is a specular lobe.

@@ -92,6 +92,30 @@ pub fn sin_cos_2pi<L: Lane>(u: L) -> (L, L) {
     (L::from_bits(sin.to_bits() ^ flip_sin), L::from_bits(cos.to_bits() ^ flip_cos))
 }
 
+/// `atan(y / x)` for x >= 0, from -pi/2 to pi/2; 0 where both are 0. Absolute error 2e-7.
+#[inline(always)]
+pub fn atan_ratio<L: Lane>(y: L, x: L) -> L {
+    let a = y.abs();
+    let steep = a.gt(x);
+    let large = L::select(steep, a, x);
+    let t = L::select(steep, x, a) / large.max(L::splat(f32::MIN_POSITIVE));
+    let z = t * t;
+    let near = t * poly(
+        z,
+        &[
+            9.999_993_4e-1,
+            -3.332_986e-1,
+            1.994_656_6e-1,
+            -1.390_862_9e-1,
+            9.642_196_5e-2,
+            -5.591_231_5e-2,
+            2.186_295e-2,
+            -4.054_565_1e-3,
+        ],
+    );
+    L::select(steep, L::splat(std::f32::consts::FRAC_PI_2) - near, near).copysign(y)
+}
+
 /// `erfc(x) e^(x²)` for x >= 0. Relative error 5e-7.
 #[inline(always)]
 pub fn erfc_scaled<L: Lane>(x: L) -> L {

@@ -1,6 +1,6 @@
 //! The tracer's rules with a mistake in them, chosen at run time.
 
-use super::light::{LightSample, Target};
+use super::lights::Asked;
 use super::reference::Vertex;
 use super::rules::Rules;
 use super::{Scratch, Strategy, Tracer};
@@ -103,18 +103,10 @@ impl Rules for Wrong {
         &self,
         tracer: &Tracer,
         vertex: &Vertex,
-        light: &LightSample,
+        light: &Asked<f32>,
         scratch: &mut Scratch,
     ) -> bool {
-        let asked = match light.target {
-            Target::Point(point) => Some(point.p),
-            Target::Sphere(sphere) | Target::SphereWithin(sphere) => {
-                let p = vertex.point.p;
-                sphere.intersect(p, light.wi, f32::INFINITY).map(|t| p + light.wi * t)
-            }
-            Target::Infinity => None,
-        };
-        match asked {
+        match light.point(vertex.point.p) {
             Some(asked) if self.makes(Erratum::ShadowTolerance) => {
                 let o = vertex.leave(light.wi);
                 let ray = Ray { o, d: (asked - o).normalize() };

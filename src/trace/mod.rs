@@ -9,10 +9,11 @@
 mod deal;
 mod engine;
 mod errata;
-mod light;
+mod lights;
 mod reference;
 mod roulette;
 mod rules;
+mod table;
 
 use crate::brdf::{Erratum, Lobes, Model, Normals};
 use crate::geometry::Stack;
@@ -20,7 +21,7 @@ use crate::math::{Lane, Rgb};
 use crate::scene::{Camera, CameraRays, Material, Scene};
 pub use deal::{Deal, Group, Hand, Part};
 use engine::{Bundle, Tables};
-use light::Lights;
+use lights::Lights;
 use std::sync::Arc;
 
 /// Longest path, a safety net: roulette ends paths long before unless the scene gains energy.
@@ -207,7 +208,7 @@ impl Tracer {
         Tracer {
             surfaces,
             lights: Lights::new(&scene, materials, equally),
-            tables: Tables::new(&scene, materials),
+            tables: Tables::new(materials),
             camera: CameraRays::new(camera, scene.placement(), size),
             seed,
             max_depth: max_depth.unwrap_or(u32::MAX),

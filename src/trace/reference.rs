@@ -1,7 +1,7 @@
 //! The path tracer that one reads: one path at a time, plain control flow.
 
 use super::errata::Wrong;
-use super::light::{End, LightSample};
+use super::lights::{Asked, Receiver};
 use super::rules::{Right, Rules};
 use super::{DEPTH_CAP, Scratch, Tracer, roulette};
 use crate::brdf::Microfacet;
@@ -9,9 +9,6 @@ use crate::geometry::{Ray, SurfacePoint, offset_origin};
 use crate::math::lanes::U32;
 use crate::math::sequence::{Slot, Stream, pair};
 use crate::math::{Frame, Rgb, V3};
-
-/// Shadow rays end this close to 1: a distance along a ray is known to a few roundings of the whole.
-const SHADOW_END: f32 = 1.0 - 16.0 * f32::EPSILON;
 
 /// A surface met by a path, turned to the viewer.
 pub(super) struct Vertex {
@@ -89,14 +86,14 @@ impl Tracer {
         let mut sum = Rgb::BLACK;
         let mut beta = Rgb::splat(1.0);
         // Where the ray left from, with the density of its direction; none for the camera's.
-        let mut from: Option<(Vertex, f32)> = None;
+        let mut from: Option<(Receiver, f32)> = None;
         for event in 0.. {
             scratch.rays += 1;
             let bvh = self.scene.bvh();
             let hit = bvh.closest(geometry, &ray, f32::INFINITY, &mut scratch.stack);
             let Some(hit) = hit else {
-                let weight = from.as_ref().map_or(1.0, |(vertex, pdf)| {
-                    let other = self.lights.environment_pdf(vertex.frame.n.dot(ray.d));
+                let weight = from.as_ref().map_or(1.0, |(from, pdf)| {
+                    let other = self.lights.environment_pdf(from, from.frame.n.dot(ray.d));
                     rules.met(strategy, *pdf, other)
                 });
                 sum += beta * self.lights.environment() * weight;
@@ -105,9 +102,9 @@ impl Tracer {
             let point = geometry.surface(&ray, &hit);
             let surface = &self.surfaces[geometry.material_of[hit.primitive as usize] as usize];
             if surface.emits {
-                let weight = from.as_ref().map_or(1.0, |(vertex, pdf)| {
-                    let (p, d) = (vertex.point.p, ray.d);
-                    let other = self.lights.pdf(geometry, p, d, hit.primitive, &point, hit.t);
+                let weight = from.as_ref().map_or(1.0, |(from, pdf)| {
+                    let cos = point.ng.dot(ray.d).abs();
+                    let other = self.lights.pdf(from, hit.primitive, hit.t, cos);
                     rules.met(strategy, *pdf, other)
                 });
                 sum += beta * surface.emission * weight;
@@ -125,8 +122,11 @@ impl Tracer {
 
             let u = pair::<f32>(stream, Slot::light(event));
             let choice = rules.light_choice(light_choice);
-            let light = self.lights.sample(geometry, vertex.point.p, vertex.frame.n, choice, u);
-            if let Some(light) = light
+            let (p, lobes) = (vertex.point.p, view.lobes());
+            let receiver = Receiver::new(p, vertex.frame, event == 0, lobes, vertex.wo);
+            if self.lights.count() > 0
+                && let light = self.lights.sample(geometry, &receiver, choice, u)
+                && light.found
                 && let Some(wi) = vertex.inwards(rules, light.wi)
             {
                 let e = rules.eval(&view, wi);
@@ -157,7 +157,7 @@ impl Tracer {
                 }
             }
             ray = Ray { o: rules.leave(&vertex, d), d };
-            from = Some((vertex, next.pdf));
+            from = Some((receiver, next.pdf));
         }
         sum
     }
@@ -168,20 +168,19 @@ impl Tracer {
         &self,
         rules: &R,
         vertex: &Vertex,
-        light: &LightSample,
+        light: &Asked<f32>,
         scratch: &mut Scratch,
     ) -> bool {
         let wi = light.wi;
         let o = rules.leave(vertex, wi);
-        let (d, t_max) = match light.target.end(o, wi) {
-            End::Missed => return false,
-            End::Distance(t) => (wi, t),
-            // From just off one surface to just off the other, but for the rounding of t itself.
-            End::At(q) => (offset_origin(q.p, q.error, q.ng, -wi) - o, SHADOW_END),
-        };
+        let way = light.way_from(o);
+        if !way.meets {
+            return false;
+        }
         scratch.rays += 1;
         let geometry = self.scene.geometry();
-        !self.scene.bvh().occluded(geometry, &Ray { o, d }, t_max, &mut scratch.stack)
+        let ray = Ray { o, d: way.d };
+        !self.scene.bvh().occluded(geometry, &ray, way.t_max, &mut scratch.stack)
     }
 }
 

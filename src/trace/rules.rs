@@ -3,7 +3,7 @@
 //! The tracer is one text, compiled for [`Right`] rules, which vanish into it, and once more for
 //! [those that make a mistake](super::errata).
 
-use super::light::LightSample;
+use super::lights::Asked;
 use super::reference::Vertex;
 use super::{Scratch, Strategy, Tracer};
 use crate::brdf::{Evaluation, LobeSample, Lobes, Microfacet, View};
@@ -51,7 +51,7 @@ pub(super) trait Rules: Sized {
         &self,
         tracer: &Tracer,
         vertex: &Vertex,
-        light: &LightSample,
+        light: &Asked<f32>,
         scratch: &mut Scratch,
     ) -> bool {
         tracer.sees(self, vertex, light, scratch)

@@ -6,11 +6,10 @@
 //! that no lane is idle but in the last register. What a path finds depends on its own numbers
 //! alone, never on who its neighbours are.
 
-mod lights;
+mod receivers;
 mod reuse;
 mod shade;
 mod surface;
-mod table;
 
 use super::{DEPTH_CAP, Effort, Hand, Part, Scratch, Tracer};
 use crate::brdf::Microfacet;
@@ -19,8 +18,8 @@ use crate::math::columns::{BUNDLE, Column, Columns3, FOURFOLD};
 use crate::math::lanes::{Bits, Kernel, Mask, Packet, Wide, dispatch};
 use crate::math::sequence::{Slot, Stream, pair};
 use crate::math::{Rgb, V3};
-use crate::scene::{Material, Scene};
-use lights::LightTable;
+use crate::scene::Material;
+use receivers::Receivers;
 use reuse::{Firsts, Seconds};
 use std::marker::PhantomData;
 use surface::{MaterialTable, Met};
@@ -29,15 +28,11 @@ use surface::{MaterialTable, Met};
 #[derive(Debug)]
 pub(super) struct Tables {
     materials: MaterialTable,
-    lights: LightTable,
 }
 
 impl Tables {
-    pub(super) fn new(scene: &Scene, materials: &[Material]) -> Tables {
-        Tables {
-            materials: MaterialTable::new(materials),
-            lights: LightTable::new(scene, materials),
-        }
+    pub(super) fn new(materials: &[Material]) -> Tables {
+        Tables { materials: MaterialTable::new(materials) }
     }
 }
 
@@ -68,8 +63,8 @@ struct Paths {
     pdf: Column<f32>,
     /// Of the direction to the shading normal that it left from.
     cos: Column<f32>,
-    /// The point that it left from.
-    from: Columns3,
+    /// Where it left from, as the lights see it.
+    from: Receivers,
     /// The plate that it left from.
     plate: Column<u32>,
     /// Place in the bundle.

@@ -6,6 +6,7 @@ use crate::geometry::{SurfacePoint, offset_origin};
 use crate::math::lanes::{Lane, Mask, Packet};
 use crate::math::sequence::{Slot, Stream, pair, unit};
 use crate::math::{Frame, Rgb, V3};
+use crate::trace::lights::Receiver;
 use crate::trace::{Tracer, power_heuristic, roulette};
 
 impl Tracer {
@@ -25,8 +26,9 @@ impl Tracer {
     ) -> usize {
         let zero = P::splat(0.0);
         let geometry = self.scene.geometry();
-        let Tables { materials, lights } = &self.tables;
-        let asks = !lights.is_empty();
+        let Tables { materials } = &self.tables;
+        let lights = &self.lights;
+        let asks = lights.count() > 0;
         let (is_first, is_second) = (bundle.shares && event == 0, bundle.shares && event == 1);
         let asked_lights = bundle.lights_asked(event);
         let mut going = 0;
@@ -71,19 +73,25 @@ impl Tracer {
             let view = material.lobes.seen_from::<M>(wo);
             let [lobe_choice, _] = stream.pair_bits(Slot::choice(event));
 
+            let first = event == 0 && lights.choose_by_place();
+            let receiver = Receiver::new(point.p, frame, first, &material.lobes, wo);
             let mut towards_light = (wo, zero);
             let count = if asks { asked_lights } else { 0 };
             for which in 0..count {
                 let stream = stream.one_of(count, which, pass);
                 let [_, light_choice] = stream.pair_bits(Slot::choice(event));
                 let u = pair::<P>(&stream, Slot::light(event));
-                let mut light = lights.sample::<P>(geometry, &point, &frame, light_choice, u);
+                let choice = unit::<P>(light_choice);
+                let mut light = lights.sample::<P>(geometry, &receiver, choice, u);
                 light.pdf = light.pdf * P::splat(count as f32);
                 let wi = frame.to_local(light.wi);
                 let above = M::cosine(wi.z).gt(zero) & M::cosine(point.ng.dot(light.wi)).gt(zero);
                 let mut asked = go & light.found & above;
                 if asked.any() {
                     let mut found = light.radiance;
+                    let o = offset_origin(point.p, point.error, point.ng, light.wi);
+                    let way = light.way_from(o);
+                    asked = asked & way.meets;
                     if is_second {
                         towards_light = (wi, light.pdf.or_zero(asked));
                     } else {
@@ -94,9 +102,9 @@ impl Tracer {
                     }
                     let shadows = &mut bundle.shadows;
                     let end = shadows.count;
-                    shadows.o.push::<P>(end, asked, light.o);
-                    shadows.d.push::<P>(end, asked, light.d);
-                    shadows.t_max.push::<P>(end, asked, light.t_max);
+                    shadows.o.push::<P>(end, asked, o);
+                    shadows.d.push::<P>(end, asked, way.d);
+                    shadows.t_max.push::<P>(end, asked, way.t_max);
                     shadows.light.push_rgb::<P>(end, asked, found);
                     shadows.plates[0].push::<P>(end, asked, plate);
                     shadows.plates[1].push::<P>(end, asked, light.plate);
@@ -141,7 +149,7 @@ impl Tracer {
             paths.beta.push_rgb::<P>(going, goes, beta);
             paths.pdf.push::<P>(going, goes, next.pdf);
             paths.cos.push::<P>(going, goes, cos);
-            paths.from.push::<P>(going, goes, point.p);
+            paths.from.push::<P>(going, goes, &receiver, lights, event);
             paths.plate.push::<P>(going, goes, plate);
             paths.slot.push::<P>(going, goes, slot);
             paths.key.push::<P>(going, goes, key);
@@ -166,7 +174,8 @@ impl Tracer {
         }
         let mut light = beta * environment.splat_lanes();
         if event > 0 {
-            let other = self.tables.lights.environment_pdf(bundle.paths.cos.load::<P>(at))
+            let from = bundle.paths.from.load::<P>(at, &self.lights, event - 1);
+            let other = self.lights.environment_pdf(&from, bundle.paths.cos.load::<P>(at))
                 * P::splat(bundle.lights_asked(event - 1) as f32);
             if bundle.shares && event == 2 {
                 return bundle.keep_emitted::<P>(at, missed.bits(), light, other);
@@ -193,9 +202,9 @@ impl Tracer {
             let (mut other, mut cosine) = ([0.0; 16], [0.0; 16]);
             cos.store(&mut cosine);
             for lane in (0..P::WIDTH).filter(|lane| lanes >> lane & 1 != 0) {
-                let from = bundle.paths.from.get(at + lane).into();
+                let from = bundle.paths.from.get(at + lane, &self.lights, event - 1);
                 let (primitive, t) = (bundle.met.primitive.0[at + lane], bundle.met.t.0[at + lane]);
-                other[lane] = self.tables.lights.pdf(from, primitive, t, cosine[lane]);
+                other[lane] = self.lights.pdf(&from, primitive, t, cosine[lane]);
             }
             let other = P::load(&other) * P::splat(bundle.lights_asked(event - 1) as f32);
             if bundle.shares && event == 2 {

@@ -1,7 +1,6 @@
 //! What rays met: fetched one by one, made into surfaces lane by lane.
 
 use super::Paths;
-use super::table::Table;
 use crate::brdf::{Lobes, Width};
 use crate::geometry::{
     Geometry, Hit, Kind, NO_PLATE, PlateHits, SurfacePoint, flat_surface, resolve, shading_normal,
@@ -10,6 +9,7 @@ use crate::math::columns::{Column, Columns3};
 use crate::math::lanes::{Bits, Lane, Mask, Packet};
 use crate::math::{Rgb, V3};
 use crate::scene::Material;
+use crate::trace::table::Table;
 
 /// Kd; Ks; alpha; a_p; emission; whether it reflects.
 const FIELDS: usize = 12;

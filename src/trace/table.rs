@@ -33,6 +33,12 @@ impl<const N: usize> Table<N> {
     /// gives no fault either.
     #[inline(always)]
     pub(super) fn get<P: Packet>(&self, index: P::Bits) -> [P; N] {
+        self.get_some(index, u32::MAX)
+    }
+
+    /// The records that these lanes name; the others' are anything.
+    #[inline(always)]
+    pub(super) fn get_some<P: Packet>(&self, index: P::Bits, lanes: u32) -> [P; N] {
         let mut found = [P::splat(0.0); N];
         if let Some(fields) = &self.by_field {
             for (found, field) in found.iter_mut().zip(fields.iter()) {
@@ -43,7 +49,7 @@ impl<const N: usize> Table<N> {
         let mut which = [0; 16];
         P::store_bits(index, &mut which);
         let mut fields = [[0.0; 16]; N];
-        for lane in 0..P::WIDTH {
+        for lane in (0..P::WIDTH).filter(|lane| lanes >> lane & 1 != 0) {
             let record = self.records.get(which[lane] as usize).unwrap_or(&self.records[0]);
             for field in 0..N {
                 fields[field][lane] = record[field];

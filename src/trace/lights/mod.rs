@@ -1,0 +1,298 @@
+//! Lights: which to ask, where on it, and with what density.
+//!
+//! One table of everything that emits, for one path or many side by side. A light is chosen in
+//! proportion to [what may come from it](estimate), of up to sixteen by looking at all, of more by
+//! [a tree](tree). Spheres are sampled by the solid angle that they fill, [rectangles](rectangle)
+//! too where they are near, everything else by area, the environment by the cosine. All of this is
+//! a function of the surface point and the light alone, so that a light met by chance has the
+//! density with which it would have been asked for.
+
+mod estimate;
+mod pairs;
+mod rectangle;
+mod shapes;
+#[cfg(test)]
+mod tests;
+mod tree;
+
+pub(super) use estimate::Receiver;
+pub(super) use shapes::Asked;
+
+use super::table::Table;
+use crate::geometry::{Geometry, Kind, NO_PLATE};
+use crate::math::lanes::{Bits, Lane, Packet};
+use crate::math::{Rgb, warp};
+use crate::scene::{Material, Scene};
+use estimate::Bound;
+use shapes::{FIELDS, Shape};
+use std::f32::consts::PI;
+use tree::Tree;
+
+/// The largest number below 1.
+const ALMOST_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
+/// So many lights are looked at one by one.
+const FEW: usize = 16;
+/// All lights that may contribute have this share of the choice between them whatever is estimated:
+/// the bright one may be behind a wall.
+const BLIND: f32 = 1.0 / 32.0;
+/// At most so many branches of a tree are looked at one by one; of more than this some are walked
+/// down. The environment is beside them.
+const BRANCHES: usize = 64;
+const MOST: usize = BRANCHES + 1;
+/// Primitives without area are no lights.
+const NONE: u32 = u32::MAX;
+
+/// All that emits.
+#[derive(Debug)]
+pub(super) struct Lights {
+    records: Table<FIELDS>,
+    /// What is looked at: every light, or branches of the tree.
+    branches: Vec<Bound>,
+    /// What they are, by place or as the tree has it. The environment, if it shines, is the last
+    /// light and the last here.
+    links: Vec<u32>,
+    /// Over lights that are more than [`FEW`].
+    tree: Option<Tree>,
+    /// Ranges of primitives that emit: first, count, and the first one's place in `light_of`.
+    ranges: Vec<[u32; 3]>,
+    light_of: Vec<u32>,
+    environment: Rgb,
+    /// Luminance in units of the brightest light's; 0 for none.
+    sky: f32,
+    equally: bool,
+}
+
+/// A light, its probability, and what is left of the number that chose it, uniform again.
+struct Choice<P: Lane> {
+    index: P::Bits,
+    probability: P,
+    rest: P,
+}
+
+impl Lights {
+    /// Those of a scene with these materials; `equally` has each asked as often as the others,
+    /// wherever it is.
+    pub(super) fn new(scene: &Scene, materials: &[Material], equally: bool) -> Lights {
+        let (geometry, plates) = (scene.geometry(), scene.bvh().plates());
+        let environment = Rgb::from(scene.environment());
+        let emits = |m: u32| Rgb::from(materials[m as usize].emission);
+        let radiances = scene.surfaces().iter().map(|s| emits(s.material)).chain([environment]);
+        let brightest = radiances.map(Rgb::luminance).fold(f32::MIN_POSITIVE, f32::max);
+        let relative = |radiance: Rgb| (radiance.luminance() / brightest).clamp(1e-20, 1.0);
+        let (mut records, mut bounds) = (Vec::new(), Vec::new());
+        let (mut ranges, mut light_of) = (Vec::new(), Vec::new());
+        for surface in scene.surfaces() {
+            let (radiance, shape) = (emits(surface.material), surface.shape);
+            if radiance.is_black() {
+                continue;
+            }
+            let base = light_of.len();
+            ranges.push([shape.first, shape.count, base as u32]);
+            light_of.resize(base + shape.count as usize, NONE);
+            for (shape, primitives) in shapes::of(geometry, shape) {
+                if !(shape.area() > 0.0 && shape.area() < f32::INFINITY) {
+                    continue;
+                }
+                for primitive in primitives {
+                    light_of[base + (primitive - surface.shape.first) as usize] =
+                        records.len() as u32;
+                }
+                let [a, b] = primitives.map(|primitive| plates.plate_of(primitive));
+                let plate = if a == b { a } else { NO_PLATE };
+                records.push(shape.record(primitives[0], radiance, plate));
+                bounds.push(shape.bound(relative(radiance)));
+            }
+        }
+        let sky = if environment.is_black() { 0.0 } else { relative(environment) };
+        if sky > 0.0 {
+            records.push(Shape::Environment.record(u32::MAX, environment, NO_PLATE));
+        }
+        let mut links: Vec<u32> = (0..bounds.len() as u32).collect();
+        let (mut branches, mut tree, mut leaf) = (bounds, None, 0);
+        if records.len() > FEW {
+            let (over, parts) = Tree::new(&branches, BRANCHES);
+            links = parts.iter().map(|part| part.link).collect();
+            branches = parts.iter().map(|part| part.bound).collect();
+            (tree, leaf) = (Some(over), tree::LEAF);
+        }
+        if sky > 0.0 {
+            links.push(leaf | (records.len() as u32 - 1));
+        }
+        let records = Table::new(records);
+        Lights { records, branches, links, tree, ranges, light_of, environment, sky, equally }
+    }
+
+    /// How many there are, the environment included if it shines.
+    pub(super) fn count(&self) -> usize {
+        self.records.len()
+    }
+
+    /// Whether which one is asked depends on the place.
+    pub(super) fn choose_by_place(&self) -> bool {
+        self.count() > 1
+    }
+
+    /// What comes from a direction that hits nothing.
+    #[inline(always)]
+    pub(super) fn environment(&self) -> Rgb {
+        self.environment
+    }
+
+    /// Directions from surface points, whose `ng` faces the viewer, towards some light each, by a
+    /// uniform number for which one and two for where on it. There has to be a light.
+    #[inline(always)]
+    pub(super) fn sample<P: Packet>(
+        &self,
+        geometry: &Geometry,
+        to: &Receiver<P>,
+        choice: P,
+        u: [P; 2],
+    ) -> Asked<P> {
+        let chosen = self.choose(to, choice);
+        let record = self.records.get::<P>(chosen.index);
+        let mut asked = shapes::sample(geometry, &record, to, chosen.rest, u);
+        asked.pdf = asked.pdf * chosen.probability;
+        let zero = P::splat(0.0);
+        asked.found = asked.found & asked.pdf.gt(zero) & asked.pdf.lt(P::splat(f32::INFINITY));
+        asked
+    }
+
+    /// Density with which [`Lights::sample`] finds the direction `wi` in which `primitive` was met
+    /// at a distance, its surface at this cosine to the direction. In 1/sr.
+    pub(super) fn pdf(&self, to: &Receiver, primitive: u32, distance: f32, cos: f32) -> f32 {
+        let Some(light) = self.light_of(primitive) else { return 0.0 };
+        let density = shapes::pdf(self.records.record(light), to.p, distance, cos);
+        density * self.probability(to, light)
+    }
+
+    /// The light that a primitive is, or is part of.
+    fn light_of(&self, primitive: u32) -> Option<usize> {
+        let after = self.ranges.partition_point(|r| r[0] <= primitive);
+        let [first, count, base] = *self.ranges.get(after.checked_sub(1)?)?;
+        let at = primitive - first;
+        let light = (at < count).then(|| self.light_of[(base + at) as usize])?;
+        (light != NONE).then_some(light as usize)
+    }
+
+    /// Density with which [`Lights::sample`] finds a direction at this cosine to the normal that
+    /// hits nothing, in 1/sr.
+    #[inline(always)]
+    pub(super) fn environment_pdf<P: Packet>(&self, to: &Receiver<P>, cos: P) -> P {
+        let density = warp::cosine_hemisphere_pdf(cos.max(P::splat(0.0)));
+        if self.sky <= 0.0 {
+            return P::splat(0.0);
+        }
+        if self.count() == 1 {
+            return density;
+        }
+        if self.equally {
+            return density * P::splat(1.0 / self.count() as f32);
+        }
+        let mut weights = [P::splat(0.0); MOST];
+        let total = self.weigh(to, &mut weights);
+        density * (weights[self.branches.len()] / total)
+    }
+
+    #[inline(always)]
+    fn choose<P: Packet>(&self, to: &Receiver<P>, choice: P) -> Choice<P> {
+        let (zero, one) = (P::splat(0.0), P::splat(1.0));
+        if self.count() == 1 {
+            return Choice { index: P::Bits::splat(0), probability: one, rest: choice };
+        }
+        if self.equally {
+            return self.choose_equally(choice);
+        }
+        let mut weights = [zero; MOST];
+        let total = self.weigh(to, &mut weights);
+        let wanted = choice * total;
+        let (mut index, mut start, mut width) = (P::Bits::splat(0), zero, zero);
+        let mut end = zero;
+        for (&link, &weight) in self.links.iter().zip(&weights) {
+            let here = end.le(wanted) & weight.gt(zero);
+            index = P::select_bits(here, P::Bits::splat(link), index);
+            start = P::select(here, end, start);
+            width = P::select(here, weight, width);
+            end = end + weight;
+        }
+        let rest = ((wanted - start) / width).max(zero).min(P::splat(ALMOST_ONE));
+        let probability = (width / total).or_zero(total.gt(zero));
+        let chosen = Choice { index, probability, rest };
+        match &self.tree {
+            Some(tree) => tree.choose(to, chosen),
+            None => chosen,
+        }
+    }
+
+    /// The weights by which one of the branches or the environment is chosen, and their sum.
+    #[inline(always)]
+    fn weigh<P: Packet>(&self, to: &Receiver<P>, weights: &mut [P; MOST]) -> P {
+        let zero = P::splat(0.0);
+        let mut sum = zero;
+        for (weight, bound) in weights.iter_mut().zip(&self.branches) {
+            *weight = bound.splat().estimate(to);
+            sum = sum + *weight;
+        }
+        if self.sky > 0.0 {
+            let sky = &mut weights[self.branches.len()];
+            *sky = estimate::environment(self.sky, to);
+            sum = sum + *sky;
+        }
+        let count = self.links.len();
+        let blind = sum * P::splat(BLIND / count as f32);
+        let mut total = zero;
+        for weight in &mut weights[..count] {
+            *weight = (*weight + blind).or_zero(weight.gt(zero));
+            total = total + *weight;
+        }
+        total
+    }
+
+    /// The probability with which a light other than the environment is chosen.
+    fn probability(&self, to: &Receiver, light: usize) -> f32 {
+        if self.count() == 1 {
+            return 1.0;
+        }
+        if self.equally {
+            return 1.0 / self.count() as f32;
+        }
+        let mut weights = [0.0; MOST];
+        let total = self.weigh::<f32>(to, &mut weights);
+        let share = |branch: usize| if total > 0.0 { weights[branch] / total } else { 0.0 };
+        match &self.tree {
+            Some(tree) => {
+                let branch = tree.branch_of(light);
+                share(branch) * tree.probability(to, self.links[branch], light)
+            }
+            None => share(light),
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn choose_equally<P: Packet>(&self, choice: P) -> Choice<P> {
+        let count = self.count() as f32;
+        let (mut number, mut index) = ([0.0; 16], [0; 16]);
+        (choice * P::splat(count)).store(&mut number);
+        for (number, index) in number.iter_mut().zip(&mut index).take(P::WIDTH) {
+            let whole = number.floor().clamp(0.0, count - 1.0);
+            (*index, *number) = (whole as u32, (*number - whole).clamp(0.0, ALMOST_ONE));
+        }
+        let probability = P::splat(1.0 / count);
+        Choice { index: P::load_bits(&index), probability, rest: P::load(&number) }
+    }
+}
+
+/// A primitive's whole surface.
+fn area_of(geometry: &Geometry, primitive: u32) -> f32 {
+    match geometry.kind(primitive) {
+        Kind::Triangle(i) => {
+            let [a, b, c] = geometry.corners(i);
+            (b - a).cross(c - a).length() * 0.5
+        }
+        Kind::Sphere(i) => 4.0 * PI * geometry.spheres[i].radius.powi(2),
+        Kind::Cylinder(i) => {
+            let c = &geometry.cylinders[i];
+            2.0 * PI * c.radius * (c.height + c.radius)
+        }
+    }
+}
