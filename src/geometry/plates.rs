@@ -190,7 +190,7 @@ impl Plates {
     /// The nearest plates that rays meet, but for the one each leaves from.
     #[inline(always)]
     pub(crate) fn closest<P: Packet>(&self, o: V3<P>, d: V3<P>, from: P::Bits) -> PlateHits<P> {
-        let clearance = [clearance(o), d.length()];
+        let (clearance, zero) = ([clearance(o), d.length()], P::splat(0.0));
         let mut hits = PlateHits {
             t: P::splat(f32::INFINITY),
             within: P::splat(0.0),
@@ -201,24 +201,18 @@ impl Plates {
         for (at, plate) in (0..).zip(&self.plates) {
             let met = plate.meet(o, d, clearance);
             let own = P::equal_bits(from, P::Bits::splat(at));
-            let outside = own
-                | met.inside.lt(-met.band)
-                | met.t.lt(-met.within)
-                | met.t.gt(hits.t + met.within);
+            let [most, least] = met.depth(hits.t);
+            let outside = own | most.lt(zero);
             if outside.all() {
                 continue;
             }
-            let nearer = met.inside.gt(met.band)
-                & met.t.gt(met.within)
-                & met.t.lt(hits.t - met.within)
-                & !own;
-            hits.open = hits.open | !(outside | nearer);
-            let x = o + d * met.t;
+            let nearer = least.gt(zero) & !own;
             let (m, c) = plate.diagonal;
-            let second = m.splat_lanes::<P>().dot(x) - P::splat(c);
-            hits.open = hits.open | (nearer & !second.abs().gt(met.band));
+            let second = dot(m, met.x) - P::splat(c);
+            let known = outside | (nearer & second.abs().gt(met.band));
+            hits.open = hits.open | !known;
             let [a, b] = plate.triangles.map(P::Bits::splat);
-            let triangle = P::select_bits(second.gt(P::splat(0.0)), b, a);
+            let triangle = P::select_bits(second.gt(zero), b, a);
             hits.t = P::select(nearer, met.t, hits.t);
             hits.within = P::select(nearer, met.within, hits.within);
             hits.plate = P::select_bits(nearer, P::Bits::splat(at), hits.plate);
@@ -286,10 +280,9 @@ impl Plates {
         let met = self.plates[at as usize].meet(o, d, clearance);
         let this = P::Bits::splat(at);
         let own = P::equal_bits(from, this) | P::equal_bits(to, this);
-        let outside =
-            own | met.inside.lt(-met.band) | met.t.lt(-met.within) | met.t.gt(t_max + met.within);
-        let inside =
-            met.inside.gt(met.band) & met.t.gt(met.within) & met.t.lt(t_max - met.within) & !own;
+        let [most, least] = met.depth(t_max);
+        let outside = own | most.lt(P::splat(0.0));
+        let inside = least.gt(P::splat(0.0)) & !own;
         shadow.blocked = shadow.blocked | inside;
         shadow.open = shadow.open | !(outside | inside);
         inside
@@ -304,6 +297,7 @@ struct Shadow<P: Packet> {
 
 /// A ray and a plate.
 struct Meeting<P> {
+    x: V3<P>,
     t: P,
     /// How far off the distance may be.
     within: P,
@@ -313,10 +307,22 @@ struct Meeting<P> {
     band: P,
 }
 
+impl<P: Packet> Meeting<P> {
+    /// How far within the edges, ahead of the ray's start and before `t_max` it is, by the least of
+    /// the three: at most, and at least. Of a ray along the plane neither is above or below 0.
+    #[inline(always)]
+    fn depth(&self, t_max: P) -> [P; 2] {
+        let before = t_max - self.t;
+        let most = (self.inside + self.band).min(self.t + self.within).min(before + self.within);
+        let least = (self.inside - self.band).min(self.t - self.within).min(before - self.within);
+        [most, least]
+    }
+}
+
 impl Plate {
     #[inline(always)]
     fn meet<P: Packet>(&self, o: V3<P>, d: V3<P>, [clearance, length]: [P; 2]) -> Meeting<P> {
-        let inverse = P::splat(1.0) / dot(self.n, d);
+        let inverse = dot(self.n, d).recip();
         let t = (P::splat(self.d) - dot(self.n, o)) * inverse;
         let x = V3::new(d.x.mul_add(t, o.x), d.y.mul_add(t, o.y), d.z.mul_add(t, o.z));
         let [a, b, c, e] = &self.edges;
@@ -326,7 +332,7 @@ impl Plate {
         // of distance is that length at most.
         let roughly = clearance * inverse.abs();
         let within = roughly * P::splat(self.slenderness);
-        Meeting { t, within, inside: ab.min(ce), band: roughly * length }
+        Meeting { x, t, within, inside: ab.min(ce), band: roughly * length }
     }
 }
 

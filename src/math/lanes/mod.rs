@@ -191,6 +191,8 @@ pub trait Packet: Lane {
     fn compress(self, mask: Self::Mask, x: &mut [f32]);
     /// [`Packet::compress`] of words.
     fn compress_bits(bits: Self::Bits, mask: Self::Mask, x: &mut [u32]);
+    /// The reciprocal to within 4 roundings, by whatever is fastest; of 0 it is infinite or NaN.
+    fn recip(self) -> Self;
     /// The entry that the low four bits of each index name.
     fn lookup(table: &[f32; 16], index: Self::Bits) -> Self;
 }

@@ -107,6 +107,10 @@ impl Packet for f32 {
         x[0] = bits.0;
     }
     #[inline(always)]
+    fn recip(self) -> f32 {
+        1.0 / self
+    }
+    #[inline(always)]
     fn lookup(table: &[f32; 16], index: U32) -> f32 {
         table[index.0 as usize % 16]
     }

@@ -64,6 +64,11 @@ impl Kernel for Everything {
                 assert_eq!((out[place], out_bits[place]), (x[lane], i[lane]));
             }
 
+            Packet::store(px.recip(), &mut out);
+            let exact = |k: usize| 1.0 / f64::from(x[k]);
+            let near = |k: usize| (f64::from(out[k]) / exact(k) - 1.0).abs() < 4.0 * 5.97e-8;
+            assert!(lanes().filter(|&k| x[k] != 0.0).all(near));
+
             let index = i.map(|i| i % 16);
             Packet::store(P::lookup(&y, P::load_bits(&index)), &mut out);
             assert!(lanes().all(|k| out[k] == y[index[k] as usize]));

@@ -313,6 +313,10 @@ impl Packet for Avx2 {
         <Avx2 as Packet>::store_bits(side_by_side, x);
     }
     #[inline(always)]
+    fn recip(self) -> Avx2 {
+        Avx2::splat(1.0) / self
+    }
+    #[inline(always)]
     fn lookup(table: &[f32; 16], index: Avx2Bits) -> Avx2 {
         let low = <Avx2 as Wide>::load(table[..8].try_into().expect("eight of sixteen"));
         let high = <Avx2 as Wide>::load(table[8..].try_into().expect("eight of sixteen"));

@@ -253,6 +253,14 @@ impl Packet for Avx512 {
         Avx512::store_bits(side_by_side, x);
     }
     #[inline(always)]
+    fn recip(self) -> Avx512 {
+        // SAFETY: a value of this type exists only under AVX-512 (module docs).
+        let rough = Avx512(unsafe { _mm512_rcp14_ps(self.0) });
+        // Newton's step: from 14 bits to all but the last few roundings.
+        let off = (-self).mul_add(rough, Avx512::splat(1.0));
+        rough.mul_add(off, rough)
+    }
+    #[inline(always)]
     fn lookup(table: &[f32; 16], index: Avx512Bits) -> Avx512 {
         let table = Avx512::load(table);
         // SAFETY: a value of this type exists only under AVX-512 (module docs).
