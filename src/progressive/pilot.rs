@@ -12,7 +12,7 @@ use crate::math::Rgb;
 use crate::trace::{Deal, Effort, Group, Hand, Part, Scratch, Tracer};
 
 /// Bundles traced.
-const BUNDLES: usize = 6;
+const BUNDLES: usize = 4;
 /// Times each is traced: with numbers that have nothing to do with each other, one of each
 /// replicate.
 const TIMES: u64 = 4;
@@ -30,7 +30,7 @@ enum Trial {
     Apart,
     /// Of paths that share, what is not shared.
     Own,
-    /// What is shared, among so many; with [`Group::None`] what would be.
+    /// What is shared, among so many.
     Shared(Group),
 }
 
@@ -49,7 +49,8 @@ pub(super) struct Found {
 
 /// What there is to do.
 pub(super) fn tasks() -> Vec<Task> {
-    let trials = || [Trial::Apart, Trial::Own].into_iter().chain(Group::ALL.map(Trial::Shared));
+    let sizes = || Group::ALL.into_iter().skip(1).map(Trial::Shared);
+    let trials = || [Trial::Apart, Trial::Own].into_iter().chain(sizes());
     (0..BUNDLES).flat_map(|which| trials().map(move |trial| Task { which, trial })).collect()
 }
 
@@ -63,7 +64,7 @@ impl Task {
     /// Does it.
     pub(super) fn run(self, tracer: &Tracer, params: &Params, scratch: &mut Scratch) -> Found {
         let group = match self.trial {
-            Trial::Shared(group) if group != Group::None => group,
+            Trial::Shared(group) => group,
             _ => Group::Sixteen,
         };
         let deal = Deal::new(params.size, params.seed, FIRST_PASS, group);
@@ -76,12 +77,7 @@ impl Task {
         match self.trial {
             Trial::Apart => hand.ends.clear(),
             Trial::Own => hand.part = Part::Own,
-            Trial::Shared(group) => {
-                hand.part = Part::Shared;
-                if group == Group::None {
-                    hand.ends = (1..=hand.pixels.len() as u32).collect();
-                }
-            }
+            Trial::Shared(_) => hand.part = Part::Shared,
         }
         // Groups of different sizes take the same pixels in different orders.
         let mut order: Vec<usize> = (0..hand.pixels.len()).collect();
@@ -104,7 +100,7 @@ pub(super) fn choose(mut found: Vec<Found>, primitives: usize) -> Group {
     // In an order that does not depend on who was first.
     found.sort_by_key(|f| (f.task.which, f.task.trial));
     // Light as the quietest of the trials have it.
-    let quiet = [Trial::Own, Trial::Shared(Group::SixtyFour)];
+    let quiet = [Trial::Own, Trial::Shared(Group::OneTwentyEight)];
     let means: Vec<Vec<[f64; 3]>> = (0..BUNDLES)
         .map(|which| {
             let these = |f: &&Found| f.task.which == which && quiet.contains(&f.task.trial);
@@ -115,13 +111,12 @@ pub(super) fn choose(mut found: Vec<Found>, primitives: usize) -> Group {
     let work = |trial| of(trial).map(|f| f.effort.work(primitives)).sum::<f64>();
     let spread = |trial| of(trial).map(|f| spread(&f.samples, &means[f.task.which])).sum::<f64>();
     let own = spread(Trial::Own);
-    let price = |group: Group| {
-        let shared = spread(Trial::Shared(group));
-        if group != Group::None {
-            return work(Trial::Shared(group)) * (shared + own / STRATIFIED);
+    let price = |group: Group| match group {
+        Group::None => {
+            let rest = (spread(Trial::Apart) - own).max(0.0);
+            work(Trial::Apart) * (rest + own / STRATIFIED)
         }
-        let own = (spread(Trial::Apart) - shared).max(own);
-        work(Trial::Apart) * (shared + own / STRATIFIED)
+        _ => work(Trial::Shared(group)) * (spread(Trial::Shared(group)) + own / STRATIFIED),
     };
     let prices = Group::ALL.map(price);
     let least = (0..prices.len()).min_by(|&a, &b| prices[a].total_cmp(&prices[b]));

@@ -28,11 +28,19 @@ pub enum Group {
     ThirtyTwo,
     /// 8 x 8 neighbours.
     SixtyFour,
+    /// 16 x 8 neighbours.
+    OneTwentyEight,
 }
 
 impl Group {
     /// All of them, the smallest first.
-    pub const ALL: [Group; 4] = [Group::None, Group::Sixteen, Group::ThirtyTwo, Group::SixtyFour];
+    pub const ALL: [Group; 5] = [
+        Group::None,
+        Group::Sixteen,
+        Group::ThirtyTwo,
+        Group::SixtyFour,
+        Group::OneTwentyEight,
+    ];
 
     /// How many paths it is.
     pub fn paths(self) -> u32 {
@@ -47,6 +55,7 @@ impl Group {
             Group::Sixteen => "16",
             Group::ThirtyTwo => "32",
             Group::SixtyFour => "64",
+            Group::OneTwentyEight => "128",
         }
     }
 
@@ -56,6 +65,7 @@ impl Group {
             Group::Sixteen => [4, 4],
             Group::ThirtyTwo => [8, 4],
             Group::SixtyFour => [8, 8],
+            Group::OneTwentyEight => [16, 8],
         }
     }
 }
@@ -250,7 +260,7 @@ mod tests {
     fn groups_leave_no_pattern_behind() {
         let size = [64, 48];
         let passes = 2000;
-        for group in [Group::Sixteen, Group::ThirtyTwo, Group::SixtyFour] {
+        for group in Group::ALL.into_iter().skip(1) {
             let mut together = vec![0u32; (size[0] * size[1]) as usize];
             let mut of = vec![0u32; together.len()];
             let mut hand = Hand::default();
@@ -273,7 +283,7 @@ mod tests {
                 }
             }
             // Columns and rows away from the picture's edge.
-            let shares: Vec<f64> = (12..52)
+            let shares: Vec<f64> = (20..44)
                 .flat_map(|x| (12..36).step_by(3).map(move |y| y * 64 + x))
                 .map(|i| f64::from(together[i]) / passes as f64)
                 .collect();

@@ -56,7 +56,7 @@ impl Tracer {
             if run.reach(slot) {
                 bounds = firsts.bounds::<P>(&run);
             }
-            let mut seen = 1u64 << (slot - run.base);
+            let mut seen = 1u128 << (slot - run.base);
             if !seconds.is_lit(slot) {
                 seconds.seen.push(seen);
                 continue;
@@ -119,7 +119,7 @@ impl Tracer {
                         }
                     }
                 }
-                seen |= u64::from(free) << first;
+                seen |= u128::from(free) << first;
             }
             seconds.seen.push(seen);
             if later.pairs.len() >= ENOUGH {
@@ -153,11 +153,11 @@ impl Later {
 
     /// Sets the bits of those that meet nothing.
     #[inline(always)]
-    fn ask<W: Wide>(&mut self, tracer: &Tracer, stack: &mut Stack, seen: &mut [u64]) {
+    fn ask<W: Wide>(&mut self, tracer: &Tracer, stack: &mut Stack, seen: &mut [u128]) {
         let (bvh, geometry) = (tracer.scene.bvh(), tracer.scene.geometry());
         bvh.occluded_each_but_plates::<W>(geometry, &self.queries, stack, &mut self.occluded);
         for (&(entry, place), &occluded) in self.pairs.iter().zip(&self.occluded) {
-            seen[entry as usize] |= u64::from(!occluded) << place;
+            seen[entry as usize] |= u128::from(!occluded) << place;
         }
         self.pairs.clear();
         self.queries.clear();

@@ -26,7 +26,7 @@ use crate::math::lanes::{Bits, Mask, Packet};
 use crate::math::{Rgb, V3};
 
 /// Largest group: the pairs of one `x2` fit into a word's bits.
-const LARGEST: usize = 64;
+const LARGEST: usize = 128;
 
 /// First surface points, by place in the bundle.
 #[derive(Clone, Debug, Default)]
@@ -53,7 +53,7 @@ pub(super) struct Seconds {
     /// BRDF in 1/sr of the sampled direction as its own path sees it.
     f: Columns3,
     /// Which of the group see it, by bit.
-    seen: Vec<u64>,
+    seen: Vec<u128>,
     later: join::Later,
     /// What arrives from the asked light, by place in the bundle.
     pub(super) light: Vec<[f32; 3]>,

@@ -114,7 +114,7 @@ impl Default for Pairs {
 /// One second point.
 struct Second {
     slot: usize,
-    seen: u64,
+    seen: u128,
     p: V3,
     ng: V3,
     frame: Frame,
@@ -199,7 +199,8 @@ impl Second {
         let mut densities = [0.0; 2];
         for (density, pdf) in densities.iter_mut().zip(&pairs.pdf) {
             let mut products = [0.0; LARGEST];
-            for ((product, pdf), share) in products.iter_mut().zip(pdf).zip(&pairs.density) {
+            let shares = &pairs.density[..group];
+            for ((product, pdf), share) in products.iter_mut().zip(pdf).zip(shares) {
                 *product = pdf * share;
             }
             *density = sum(&products, group) * per_all;
