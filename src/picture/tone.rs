@@ -117,13 +117,19 @@ impl Tone {
     /// or file wants. As many as the shorter of the two slices has.
     pub fn map<T>(self, pixels: &[[f32; 3]], out: &mut [T], make: impl Fn([u8; 3]) -> T) {
         let (gain, table) = (self.gain(), self.curve.table());
+        // A coarse preview has the same colour many times in a row.
+        let (mut last, mut codes) = ([0.0; 3], [table.code(0.0); 3]);
         for (slot, &[r, g, b]) in out.iter_mut().zip(pixels) {
-            // One comparison catches every NaN, and now and then two opposite infinities.
-            *slot = make(if (r + g + b).is_nan() {
-                self.exact([r, g, b])
-            } else {
-                [table.code(r * gain), table.code(g * gain), table.code(b * gain)]
-            });
+            if [r, g, b] != last {
+                // One comparison catches every NaN, and now and then two opposite infinities.
+                codes = if (r + g + b).is_nan() {
+                    self.exact([r, g, b])
+                } else {
+                    [table.code(r * gain), table.code(g * gain), table.code(b * gain)]
+                };
+                last = [r, g, b];
+            }
+            *slot = make(codes);
         }
     }
 

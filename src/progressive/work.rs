@@ -22,8 +22,11 @@ const BATCH: u64 = 16;
 /// Samples traced between two looks at what is wanted, roughly: a tenth of a second's work at most
 /// where scenes are simple, and what a pause may lose.
 const WAVE: u64 = 1 << 18;
-/// A preview has at most this many paths, so that it stands within a frame's time.
-const PREVIEW_PATHS: u64 = 32_768;
+/// A preview has as many paths as the last one traced in this time, so that it stands within a
+/// frame's. It is thrown away, so it may depend on the clock.
+const PREVIEW_TIME: Duration = Duration::from_millis(10);
+/// Paths of the first preview of all.
+const PREVIEW_PATHS: u64 = 8192;
 /// The preview is refined by this factor in each direction until a pass is no finer.
 const PREVIEW_STEP: u32 = 4;
 /// Paths of a preview that share.
@@ -89,6 +92,7 @@ impl Workers {
     pub(super) fn drive(self) {
         let mut films: Vec<Film> = Vec::new();
         let mut canvas = Canvas::default();
+        let mut preview_paths = PREVIEW_PATHS;
         let mut now: Option<Epoch> = None;
         let mut failed = false;
         loop {
@@ -117,8 +121,9 @@ impl Workers {
                 }
             }
             let Some(epoch) = &now else { continue };
-            let outcome =
-                catch_unwind(AssertUnwindSafe(|| self.run(epoch, &mut films, &mut canvas)));
+            let outcome = catch_unwind(AssertUnwindSafe(|| {
+                self.run(epoch, &mut films, &mut canvas, &mut preview_paths)
+            }));
             if let Err(panic) = outcome {
                 let reason = failure(epoch, panic.as_ref());
                 self.outlet.send(|| epoch.snapshot(State::Failed(reason), whole_passes(&films)));
@@ -128,11 +133,11 @@ impl Workers {
     }
 
     /// Traces until the pass limit or an interruption.
-    fn run(&self, epoch: &Epoch, films: &mut [Film], canvas: &mut Canvas) {
+    fn run(&self, epoch: &Epoch, films: &mut [Film], canvas: &mut Canvas, most: &mut u64) {
         epoch.clock(true);
         let goes_on = || self.shared.goes_on(epoch.number);
         if self.options.preview && whole_passes(films) == 0 {
-            self.preview(epoch, canvas);
+            self.preview(epoch, canvas, most);
         }
         let Some(group) = self.group(epoch) else { return epoch.clock(false) };
         let pixels: u64 = epoch.params.size.map(u64::from).iter().product();
@@ -276,12 +281,12 @@ impl Workers {
     }
 
     /// Blocks of pixels in the colour of one sample each, ever finer.
-    fn preview(&self, epoch: &Epoch, canvas: &mut Canvas) {
+    fn preview(&self, epoch: &Epoch, canvas: &mut Canvas, most: &mut u64) {
         let Params { size, seed, .. } = epoch.params;
         let coarse = |block: u32| size.map(|side| side.div_ceil(block));
         let paths = |block: u32| coarse(block).map(u64::from).iter().product::<u64>();
         let mut block = 1u32;
-        while paths(block) > PREVIEW_PATHS {
+        while paths(block) > *most {
             block *= 2;
         }
         while block > 1 && self.shared.goes_on(epoch.number) {
@@ -291,6 +296,7 @@ impl Workers {
             canvas.prepare(coarse(block), 1);
             let [columns, rows] = deal.bundles();
             let tasks = (0..rows).flat_map(|y| (0..columns).map(move |x| [x, y])).collect();
+            let start = Instant::now();
             let whole = self.for_each_task(epoch, tasks, &|at, scratch| {
                 let put = |pixel, sample| canvas.put(0, pixel, sample);
                 epoch.trace(&deal, at, 0, block, scratch, &put);
@@ -299,6 +305,8 @@ impl Workers {
             if !whole {
                 return;
             }
+            let speed = PREVIEW_TIME.as_secs_f64() / start.elapsed().as_secs_f64().max(1e-6);
+            *most = (paths(block) as f64 * speed).clamp(1024.0, 131_072.0) as u64;
             self.pool.install(|| {
                 (0..epoch.grid.len())
                     .into_par_iter()

@@ -34,13 +34,8 @@ pub enum Group {
 
 impl Group {
     /// All of them, the smallest first.
-    pub const ALL: [Group; 5] = [
-        Group::None,
-        Group::Sixteen,
-        Group::ThirtyTwo,
-        Group::SixtyFour,
-        Group::OneTwentyEight,
-    ];
+    pub const ALL: [Group; 5] =
+        [Group::None, Group::Sixteen, Group::ThirtyTwo, Group::SixtyFour, Group::OneTwentyEight];
 
     /// How many paths it is.
     pub fn paths(self) -> u32 {

@@ -4,6 +4,7 @@ use super::Args;
 use crate::cli::snapshots::next;
 use crate::cli::{Failure, print, scene, values};
 use burnish::brdf::Roughness;
+use burnish::film::REL_MSE_FLOOR;
 use burnish::picture::Tone;
 use burnish::progressive::{Params, Session, Snapshot, TILE};
 use std::path::Path;
@@ -21,17 +22,68 @@ fn measure(args: &Args, path: Option<&Path>) -> Result<(), Failure> {
     let session = Session::start(params.clone(), Session::MAX_PASSES, args.threads, || {})
         .map_err(Failure::new)?;
     let mut screen = Screen::new();
-    let mut times = Vec::new();
+    let (mut times, mut first) = (Vec::new(), None);
     for change in 0..args.changes {
         watch(&session, &mut screen, pause_before(change))?;
         params = params.with_roughness(roughness(change)?);
-        times.push(change_to_picture(&session, &params, &mut screen)?);
+        let (time, snapshot) = change_to_picture(&session, &params, &mut screen)?;
+        times.push(time);
+        first = Some(snapshot);
     }
     let [w, h] = params.size;
     let (changes, threads) = (args.changes, values::worker_count(args.threads));
     print(format_args!("{changes} changes of roughness, {w}x{h}, {threads} worker threads"))?;
     print(summary("first changed picture, coarse or fine, tone-mapped", &mut times))?;
+    if let Some(first) = first.filter(|s| s.passes == 0) {
+        let truth = after_passes(&session, first.epoch)?;
+        let [size, paths, error] = coarse_error(&first, &truth);
+        print(format_args!(
+            "its picture after the last change: blocks of {size} pixels, {paths} paths, relMSE \
+             {error:.1e} against {JUDGE} passes averaged over its blocks"
+        ))?;
+    }
     print("presentation by the window system is not included")
+}
+
+/// Passes of the picture that a coarse one is held against. Over a block it has hundreds of samples
+/// for one of the coarse picture.
+const JUDGE: u64 = 4;
+
+/// The picture of an epoch after so many passes.
+fn after_passes(session: &Session, epoch: u64) -> Result<Snapshot, Failure> {
+    loop {
+        if let Some(snapshot) = next(session, PATIENCE)?
+            && snapshot.epoch == epoch
+            && snapshot.passes >= JUDGE
+        {
+            return Ok(snapshot);
+        }
+    }
+}
+
+/// Side of the blocks of a coarse picture, how many they are, and their relative mean square error,
+/// `mean((x - r)² / (r² + 0.01))` over blocks and channels, r being the other's mean over the block.
+fn coarse_error(coarse: &Snapshot, truth: &Snapshot) -> [f64; 3] {
+    let side = coarse.tiles.iter().flatten().map(|tile| tile.block).max().unwrap_or(1) as usize;
+    let (x, r) = (coarse.mean(), truth.mean());
+    let (width, height) = (x.width as usize, x.height as usize);
+    let (mut sum, mut blocks) = (0.0, 0.0);
+    for top in (0..height).step_by(side) {
+        for left in (0..width).step_by(side) {
+            let rows = top..(top + side).min(height);
+            let count = (rows.len() * side.min(width - left)) as f64;
+            let places =
+                rows.flat_map(|y| (left..(left + side).min(width)).map(move |x| y * width + x));
+            for c in 0..3 {
+                let light = |i: usize| f64::from(r.pixels[i][c]);
+                let mean = places.clone().map(light).sum::<f64>() / count;
+                let off = f64::from(x.pixels[top * width + left][c]) - mean;
+                sum += off * off / (mean * mean + REL_MSE_FLOOR) / 3.0;
+            }
+            blocks += 1.0;
+        }
+    }
+    [side as f64, blocks, sum / blocks]
 }
 
 /// The roughness after the n-th change: all over the useful range, never twice in a row the same.
@@ -86,14 +138,14 @@ fn change_to_picture(
     session: &Session,
     params: &Params,
     screen: &mut Screen,
-) -> Result<f64, Failure> {
+) -> Result<(f64, Snapshot), Failure> {
     let start = Instant::now();
     let epoch = session.set(params.clone()).map_err(Failure::new)?;
     while start.elapsed() < PATIENCE {
         if let Some(snapshot) = next(session, PATIENCE)? {
             screen.show(&snapshot);
             if snapshot.epoch >= epoch {
-                return Ok(start.elapsed().as_secs_f64());
+                return Ok((start.elapsed().as_secs_f64(), snapshot));
             }
         }
     }
