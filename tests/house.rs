@@ -43,6 +43,7 @@ const ONE_PLACE: [(&str, &[&str]); 21] = [
         "std::time::Instant",
         &[
             "src/progressive/",
+            "src/measure/profile.rs",
             "src/measure/rays.rs",
             "src/measure/scaling.rs",
             "src/cli/",

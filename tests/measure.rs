@@ -12,6 +12,7 @@ use burnish::measure::speed::{Experiment, Fit, Plan, Spread, Truth, Variant};
 use burnish::picture::{Picture, Tone};
 use burnish::progressive::{Params, Strategy};
 use burnish::scene::{Material, SceneBuilder};
+use burnish::trace::Group;
 use glam::DVec3;
 use std::sync::Arc;
 use support::Random;
@@ -364,7 +365,7 @@ fn plan(base: Params, strategies: &[Strategy], passes: u64, repeats: u32) -> Pla
 /// once the noise is subtracted, within 15 %; and the mean is right.
 #[test]
 fn a_rendered_reference_measures_what_the_exact_one_does() {
-    let base = furnace();
+    let base = Params { group: Some(Group::None), ..furnace() };
     let exact = Truth::Given(Reference::exact(base.size, [1.0; 3]));
     let plan = plan(base, &[Strategy::Mis], 16, 5);
     let by_exact = measured(&plan, &exact).summaries();

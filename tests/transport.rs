@@ -299,7 +299,8 @@ fn a_room_that_gains_light_ends_and_stays_finite() {
             assert!(endless.counts.rays < 1000 * endless.counts.paths, "{case}");
             assert!(mean(&endless).is_finite() && mean(&endless) > 10.0, "{case}");
             let lost = endless.counts.nonfinite;
-            assert!(lost == 0 || overflows && lost < 300, "{case}: {lost} of 16,384 samples");
+            // What one path loses its whole group does.
+            assert!(lost == 0 || overflows && lost < 3000, "{case}: {lost} of 16,384 samples");
         }
     }
 }

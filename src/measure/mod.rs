@@ -16,6 +16,7 @@ pub mod error;
 pub mod exact;
 pub mod flip;
 pub mod plot;
+pub mod profile;
 pub mod rays;
 pub mod scaling;
 pub mod speed;

@@ -158,6 +158,44 @@ pub struct Scratch {
     pub effort: Effort,
 }
 
+/// What the engine does with a bundle, in this order but for going round from shading to tracing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Camera rays.
+    Start,
+    /// What rays meet: the nearest surface, fetched.
+    Trace,
+    /// Scattering: materials, lights to ask, directions to go on.
+    Shade,
+    /// Whether lights are seen.
+    Ask,
+    /// Which first points see which second ones.
+    Join,
+    /// What second points send to first ones.
+    Share,
+}
+
+impl Stage {
+    /// All of them.
+    pub const ALL: [Stage; 6] =
+        [Stage::Start, Stage::Trace, Stage::Shade, Stage::Ask, Stage::Join, Stage::Share];
+
+    /// Lower-case name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stage::Start => "start",
+            Stage::Trace => "trace",
+            Stage::Shade => "shade",
+            Stage::Ask => "ask",
+            Stage::Join => "join",
+            Stage::Share => "share",
+        }
+    }
+}
+
+/// Is told when a stage is over, and how many members of the bundle had part in it.
+pub type Watch<'a> = &'a mut dyn FnMut(Stage, usize);
+
 /// What the engine has done, by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {

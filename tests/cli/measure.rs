@@ -261,3 +261,50 @@ fn check_prints_a_table_and_fails_with_a_proof() {
     let limits = table.lines().find(|l| l.contains("limits of G")).unwrap();
     assert!(table.starts_with("GGX at alpha 0.1") && limits.contains("FAILS"), "{table}");
 }
+
+#[test]
+fn the_profile_says_where_the_time_went() {
+    let small = ["--size", "40x30", "--passes", "2"];
+    let text = must(&[&["report", "--profile", "cornell"][..], &small].concat());
+    let row = |name: &str| {
+        let line = text.lines().find(|l| l.starts_with(name)).unwrap_or_else(|| panic!("{text}"));
+        let cells: Vec<&str> = line[name.len()..].split_whitespace().collect();
+        cells[0].parse::<f64>().unwrap()
+    };
+    let stages = ["start", "trace", "shade", "ask", "join", "share", "dealing"].map(row);
+    assert!((stages.iter().sum::<f64>() - 100.0).abs() < 0.5, "{text}");
+    assert!(row("nearest hit") > 1.0 && row("between points shared") > 1.0, "{text}");
+    assert!(text.contains("lanes in use"), "{text}");
+    for other in ["--latency", "--rays", "--threads=1"] {
+        assert_eq!(code(&run(&["report", "--profile", other])), 2, "{other}");
+    }
+}
+
+/// A sample by itself is what the picture of one pass has there.
+#[test]
+fn a_pixel_is_replayed_with_its_group() {
+    let home = tempfile::tempdir().unwrap();
+    let file = home.path().join("one.exr");
+    let options = ["--size", "40x30", "--seed", "5", "--group", "32"];
+    let file_name = file.to_str().unwrap();
+    let render = ["render", "cornell", "--passes", "1", "-o", file_name];
+    must(&[&render[..], &options].concat());
+    let picture = burnish::picture::read_exr(&file).unwrap();
+    let text = must(&[&["pixel", "cornell", "21", "17", "0"][..], &options].concat());
+    assert!(text.contains("groups of 32"), "{text}");
+    let mut members = 0;
+    for line in text.lines().skip(2) {
+        let cells: Vec<f64> = line.split_whitespace().map_while(|c| c.parse().ok()).collect();
+        let [x, y, light @ ..] = cells.as_slice() else { panic!("{line}") };
+        let pixel = picture.pixels[*y as usize * 40 + *x as usize];
+        for (shown, exact) in light.iter().zip(pixel) {
+            assert!((shown - f64::from(exact)).abs() <= 1e-6 * f64::from(exact), "{line}");
+        }
+        members += 1;
+    }
+    assert!(members > 8 && text.contains("<- asked for"), "{text}");
+    let apart = must(&["pixel", "cornell", "3", "4", "9", "--no-reuse"]);
+    assert!(apart.contains("every path for itself") && apart.lines().count() == 3, "{apart}");
+    let outside = run(&["pixel", "cornell", "512", "0", "0"]);
+    assert_eq!(code(&outside), 1);
+}

@@ -2,6 +2,7 @@
 
 mod errata;
 mod latency;
+mod profile;
 mod rays;
 mod scaling;
 mod sheet;
@@ -14,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 /// Measures this program on this machine: how the error falls with time, with --latency how soon a
 /// change is seen, with --errata what each mistake on purpose does to the picture, with --rays what
-/// rays cost, with --scaling how the time grows with what is rendered.
+/// rays cost, with --scaling how the time grows with what is rendered, with --profile where it goes.
 #[derive(Debug, clap::Args)]
 #[command(allow_negative_numbers = true)]
 #[command(after_help = "Examples:
@@ -24,7 +25,8 @@ use std::path::{Path, PathBuf};
   burnish report --latency table.scn --size 1600x1200 --changes 200
   burnish report --errata --passes 256 --repeats 8
   burnish report --rays table.scn
-  burnish report --scaling --largest 100000")]
+  burnish report --scaling --largest 100000
+  burnish report --profile table.scn --passes 16")]
 pub(super) struct Args {
     /// Scenes to render: .scn, .obj or .ply files, or names of shipped ones. The built-in scene
     /// without one.
@@ -53,6 +55,12 @@ pub(super) struct Args {
           "normals", "passes", "seconds", "reference_passes", "reference", "exact", "csv", "plot",
           "size", "scenes"])]
     scaling: bool,
+    /// Measures where the engine's time goes: by stage, rays by kind, lanes in use. Takes --size,
+    /// --passes and --seed.
+    #[arg(long, conflicts_with_all = ["latency", "changes", "errata", "rays", "scaling", "model",
+          "strategy", "normals", "seconds", "reference_passes", "reference", "exact", "csv", "plot",
+          "repeats", "threads"])]
+    profile: bool,
     /// Most triangles; lights go up to a thousandth of it, pixels to a fifth. 100000 takes seconds,
     /// 10000000 minutes and 4 GB of memory.
     #[arg(long, value_name = "N", default_value_t = 10_000_000, requires = "scaling",
@@ -79,6 +87,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         Args { errata: true, .. } => errata::run(args),
         Args { rays: true, .. } => rays::run(args),
         Args { scaling: true, .. } => scaling::run(args),
+        Args { profile: true, .. } => profile::run(args),
         _ => speed::run(args),
     }
 }

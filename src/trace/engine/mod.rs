@@ -3,15 +3,16 @@
 //! A bundle of paths goes through one scattering event after the other, all of them in the same
 //! stage: trace, fetch what was met, shade, trace towards the lights. Shading is written over lanes,
 //! as many paths at a time as a register holds; paths that end make room for those that go on, so
-//! that no lane is idle but in the last register. What a path finds depends on its own numbers
-//! alone, never on who its neighbours are.
+//! that no lane is idle but in the last register. What a path finds by itself depends on its own
+//! numbers alone, never on who else is in the bundle; what it is given by [others](reuse), on its
+//! group.
 
 mod receivers;
 mod reuse;
 mod shade;
 mod surface;
 
-use super::{DEPTH_CAP, Effort, Hand, Part, Scratch, Tracer};
+use super::{DEPTH_CAP, Effort, Hand, Part, Scratch, Stage, Tracer, Watch};
 use crate::brdf::Microfacet;
 use crate::geometry::{Hit, NO_PLATE, Query, Ray, Stack};
 use crate::math::columns::{BUNDLE, Column, Columns3, FOURFOLD};
@@ -110,7 +111,7 @@ impl Tracer {
             if some.is_empty() {
                 return;
             }
-            self.sample_together::<M>(&some, &[], pass, 1, scratch);
+            self.sample_together::<M>(&some, &[], pass, 1, scratch, &mut |_, _| {});
             for &radiance in &scratch.bundle.radiance {
                 each(radiance.into());
             }
@@ -134,10 +135,24 @@ impl Tracer {
             return self.sample_one_by_one::<M>(pixels, pass, block, scratch, each);
         }
         scratch.bundle.part = hand.part;
-        self.sample_together::<M>(&hand.pixels, &hand.ends, pass, block, scratch);
+        self.sample_together::<M>(&hand.pixels, &hand.ends, pass, block, scratch, &mut |_, _| {});
         scratch.bundle.part = Part::Whole;
         for (&pixel, &radiance) in hand.pixels.iter().zip(&scratch.bundle.radiance) {
             each(pixel, radiance.into());
+        }
+    }
+
+    /// [`Tracer::sample_hand`] for someone who wants to know what is being done, not what comes of
+    /// it. Nothing is done where the engine does not work.
+    pub fn watch_hand<M: Microfacet>(
+        &self,
+        hand: &Hand,
+        pass: u64,
+        scratch: &mut Scratch,
+        watch: Watch,
+    ) {
+        if self.method.is_the_engines(M::MODEL) {
+            self.sample_together::<M>(&hand.pixels, &hand.ends, pass, 1, scratch, watch);
         }
     }
 
@@ -148,6 +163,7 @@ impl Tracer {
         pass: u64,
         block: u32,
         scratch: &mut Scratch,
+        watch: Watch,
     ) {
         // Columns and rows lie where the slots and keys will be.
         let Bundle { paths, ends: all_ends, .. } = &mut *scratch.bundle;
@@ -156,7 +172,7 @@ impl Tracer {
         }
         all_ends.clear();
         all_ends.extend_from_slice(ends);
-        self.follow::<M>(pixels.len().min(BUNDLE), pass, block, scratch);
+        self.follow::<M>(pixels.len().min(BUNDLE), pass, block, scratch, watch);
     }
 
     /// The paths of the bundle, from the camera to their ends.
@@ -166,6 +182,7 @@ impl Tracer {
         pass: u64,
         block: u32,
         scratch: &mut Scratch,
+        watch: Watch,
     ) {
         let isa = self.scene.bvh().isa();
         let Scratch { stack, bundle, rays, capped, effort } = scratch;
@@ -177,14 +194,17 @@ impl Tracer {
             bundle.seconds.clear(count);
         }
         dispatch(isa, Start { tracer: self, paths: &mut bundle.paths, count, pass, block });
+        watch(Stage::Start, count);
         for event in 0.. {
             *rays += count as u64;
             effort.nearest += count as u64;
             effort.alone += dispatch(isa, Trace { tracer: self, bundle, count, stack });
+            watch(Stage::Trace, count);
             let last = event >= self.max_depth || event >= DEPTH_CAP;
             let model = PhantomData::<M>;
             let shade = Shade { tracer: self, bundle, count, event, pass, last, model };
             let going = dispatch(isa, shade);
+            watch(Stage::Shade, count);
             if event >= DEPTH_CAP && event < self.max_depth {
                 *capped += going as u64;
             }
@@ -195,6 +215,7 @@ impl Tracer {
             effort.asked += bundle.shadows.count as u64;
             let sums = bundle.asked_at(event);
             effort.alone += dispatch(isa, Ask { tracer: self, bundle, stack, sums });
+            watch(Stage::Ask, bundle.shadows.count);
             if going == 0 {
                 break;
             }
@@ -211,7 +232,9 @@ impl Tracer {
             effort.joined += joined.joined;
             effort.alone += joined.alone;
             *rays += joined.joined;
+            watch(Stage::Join, bundle.seconds.count);
             dispatch(isa, Share { tracer: self, bundle, model: PhantomData::<M> });
+            watch(Stage::Share, bundle.seconds.count);
         }
     }
 }

@@ -1,0 +1,68 @@
+//! `burnish report --profile`: where the time goes.
+
+use super::Args;
+use super::table::Table;
+use crate::cli::{Failure, print, scene};
+use burnish::measure::profile::Profile;
+use burnish::progressive::Params;
+use burnish::trace::Stage;
+use std::path::Path;
+
+/// Measures and prints, scene by scene.
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    args.scenes().into_iter().try_for_each(|path| measure(args, path))
+}
+
+fn measure(args: &Args, path: Option<&Path>) -> Result<(), Failure> {
+    let scene = scene::load(path)?.scene;
+    let size = args.size.unwrap_or([320, 240]);
+    let params = Params { size, seed: args.speed.seed, ..Params::new(scene.clone()) };
+    params.check().map_err(Failure::new)?;
+    let Some(profile) = Profile::new(&params, args.speed.passes) else {
+        return Err(Failure::new("there is nothing to measure: the picture has no paths"));
+    };
+    let paths = profile.paths.max(1) as f64;
+    let percent = |part: f64| format!("{:.1} %", 100.0 * part);
+    let nanoseconds = |share: f64| 1e9 * share * profile.time.as_secs_f64() / paths;
+    let mut stages = Table::new(&["stage", "time", "ns a path", "members a path", "lanes in use"]);
+    let mut rest = 1.0;
+    for (i, stage) in Stage::ALL.into_iter().enumerate() {
+        let (share, cost) = (profile.share(i), profile.stages[i]);
+        rest -= share;
+        stages.row([
+            stage.name().into(),
+            percent(share),
+            format!("{:.1}", nanoseconds(share)),
+            format!("{:.2}", cost.members as f64 / paths),
+            // Those go through the second points one by one, with a group's first points in lanes.
+            match stage {
+                Stage::Join | Stage::Share => String::new(),
+                _ => percent(cost.members as f64 / cost.lanes.max(1) as f64),
+            },
+        ]);
+    }
+    let rest = rest.max(0.0);
+    let others = format!("{:.1}", nanoseconds(rest));
+    stages.row(["dealing".into(), percent(rest), others, "".into(), "".into()]);
+    let effort = profile.effort;
+    let mut rays = Table::new(&["rays", "a path"]);
+    for (name, count) in [
+        ("nearest hit", effort.nearest),
+        ("towards lights", effort.asked),
+        ("between points shared", effort.joined),
+        ("of all, through the tree", effort.alone),
+    ] {
+        rays.row([name.into(), format!("{:.2}", count as f64 / paths)]);
+    }
+    print(format_args!(
+        "{}, {}x{}, {} passes, {}, {} paths share, one thread: {:.2} M paths/s\n\n{stages}\n{rays}",
+        scene.name(),
+        size[0],
+        size[1],
+        args.speed.passes,
+        scene.bvh().isa().name(),
+        profile.group.paths(),
+        paths / profile.time.as_secs_f64() / 1e6,
+    ))?;
+    print(format_args!("of {} lanes", profile.width))
+}

@@ -1,0 +1,100 @@
+//! Where the engine's time goes: stages by the clock, rays by kind, lanes in use. One thread.
+
+use crate::brdf::{Microfacet, ModelVisitor};
+use crate::math::lanes::Isa;
+use crate::progressive::{Params, Replay};
+use crate::trace::{Deal, Effort, Group, Hand, Scratch, Stage, Tracer};
+use std::time::{Duration, Instant};
+
+/// What a few passes took.
+#[derive(Clone, Debug)]
+pub struct Profile {
+    /// How many paths shared.
+    pub group: Group,
+    /// Camera paths.
+    pub paths: u64,
+    /// All of the time, dealing and adding up included.
+    pub time: Duration,
+    /// By stage, in the order of [`Stage::ALL`].
+    pub stages: [StageCost; Stage::ALL.len()],
+    /// Rays and pairs.
+    pub effort: Effort,
+    /// Paths that a register holds.
+    pub width: usize,
+}
+
+/// What a stage took.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StageCost {
+    /// Its time.
+    pub time: Duration,
+    /// Members of bundles that had part in it.
+    pub members: u64,
+    /// Lanes of the registers that they were in.
+    pub lanes: u64,
+}
+
+impl Profile {
+    /// Of so many passes with these parameters; `None` where the engine does not trace them.
+    pub fn new(params: &Params, passes: u64) -> Option<Profile> {
+        let tracer = params.tracer();
+        let group = Replay::new(params, [0, 0], 0)?.group;
+        let width = match params.scene.bvh().isa() {
+            Isa::Portable => 1,
+            Isa::Avx2 => 8,
+            Isa::Avx512 => 16,
+        };
+        let (effort, stages) = (Effort::default(), Default::default());
+        let time = Duration::ZERO;
+        let mut profile = Profile { group, paths: 0, time, stages, effort, width };
+        let mut scratch = tracer.scratch();
+        let mut hand = Hand::default();
+        let begin = Instant::now();
+        for pass in 0..passes {
+            let deal = Deal::new(params.size, params.seed, pass, group);
+            let [columns, rows] = deal.bundles();
+            for at in (0..rows).flat_map(|y| (0..columns).map(move |x| [x, y])) {
+                deal.bundle(at, &mut hand);
+                let bundle = Bundle { tracer: &tracer, hand: &hand, pass };
+                params.model.visit(Watched { bundle, scratch: &mut scratch, into: &mut profile });
+                profile.paths += hand.pixels.len() as u64;
+            }
+        }
+        profile.time = begin.elapsed();
+        profile.effort = scratch.effort;
+        (profile.effort.nearest > 0).then_some(profile)
+    }
+
+    /// A stage's part of the time.
+    pub fn share(&self, stage: usize) -> f64 {
+        self.stages[stage].time.as_secs_f64() / self.time.as_secs_f64().max(f64::MIN_POSITIVE)
+    }
+}
+
+struct Bundle<'a> {
+    tracer: &'a Tracer,
+    hand: &'a Hand,
+    pass: u64,
+}
+
+struct Watched<'a> {
+    bundle: Bundle<'a>,
+    scratch: &'a mut Scratch,
+    into: &'a mut Profile,
+}
+
+impl ModelVisitor for Watched<'_> {
+    type Output = ();
+    fn visit<M: Microfacet>(self) {
+        let Watched { bundle: Bundle { tracer, hand, pass }, scratch, into } = self;
+        let mut last = Instant::now();
+        tracer.watch_hand::<M>(hand, pass, scratch, &mut |stage, members| {
+            let now = Instant::now();
+            let cost = &mut into.stages[stage as usize];
+            cost.time += now - last;
+            cost.members += members as u64;
+            cost.lanes += members.next_multiple_of(into.width) as u64;
+            last = now;
+        });
+    }
+}
