@@ -108,7 +108,7 @@ impl<B: Bits> Stream<B> {
         if count == 1 {
             return *self;
         }
-        let index = (pass / REPLICATES as u64 & 0xffff) as u32 * count + which;
+        let index = ((pass / REPLICATES as u64) & 0xffff) as u32 * count + which;
         // Beyond the sequence's end a new randomisation begins.
         let key = if index > 0xffff { mix(self.key ^ B::splat(index >> 16)) } else { self.key };
         Stream { key, reversed: B::splat((index & 0xffff).reverse_bits() >> 16) }

@@ -145,11 +145,11 @@ fn spread(samples: &[Vec<Rgb>], means: &[[f64; 3]]) -> f64 {
     let mut all = 0.0;
     for c in 0..3 {
         let light = means.iter().map(|m| m[c]).sum::<f64>() / means.len().max(1) as f64;
-        for pixel in 0..means.len() {
+        for (pixel, own) in means.iter().enumerate() {
             let values = samples.iter().map(|s| channel(s, pixel, c));
             let mean = values.clone().sum::<f64>() / count;
             let squares: f64 = values.map(|x| (x - mean) * (x - mean)).sum();
-            let light = light.max(means[pixel][c]);
+            let light = light.max(own[c]);
             let term = squares / (count - 1.0) / (light * light + REL_MSE_FLOOR);
             all += if term.is_finite() { term } else { 0.0 };
         }

@@ -41,7 +41,7 @@ impl Tracer {
             for (at, viewers) in (run.base..run.end).step_by(P::WIDTH).zip(&viewers) {
                 let mut sum = viewers.sum;
                 if matt {
-                    sum = sum * viewers.view.lobes().kd;
+                    sum *= viewers.view.lobes().kd;
                 }
                 let mut sums = [[0.0; 16]; 3];
                 for (x, column) in [sum.r, sum.g, sum.b].into_iter().zip(&mut sums) {
@@ -183,8 +183,8 @@ impl Second {
             let up = V3::new(0.0, 0.0, 1.0);
             let [asked, sampled] =
                 [self.asked.0, self.sampled.0].map(|wi| self.lobes.eval::<M>(up, wi));
-            let asked = self.from_asked(asked.pdf) * asked.f;
-            let lo = (asked + self.from_sampled(sampled.pdf) * sampled.f) * per_all;
+            let asked = self.by_asking(asked.pdf) * asked.f;
+            let lo = (asked + self.by_sampling(sampled.pdf) * sampled.f) * per_all;
             let lo = lo.splat_lanes::<P>();
             for (at, viewers) in (0..).step_by(P::WIDTH).zip(viewers) {
                 viewers.sum += pairs.carried_at::<P>(at, matt) * lo;
@@ -205,8 +205,8 @@ impl Second {
             }
             *density = sum(&products, group) * per_all;
         }
-        let asked = (self.from_asked(densities[0]) * per_all).splat_lanes::<P>();
-        let sampled = (self.from_sampled(densities[1]) * per_all).splat_lanes::<P>();
+        let asked = (self.by_asking(densities[0]) * per_all).splat_lanes::<P>();
+        let sampled = (self.by_sampling(densities[1]) * per_all).splat_lanes::<P>();
         for (at, viewers) in (0..).step_by(P::WIDTH).zip(viewers) {
             let lo = pairs.f_at::<P>(0, at) * asked + pairs.f_at::<P>(1, at) * sampled;
             viewers.sum += pairs.carried_at::<P>(at, matt) * lo;
@@ -216,15 +216,15 @@ impl Second {
     /// What arrives from the asked light, times the cosine, over the density of its direction:
     /// by asking, and by sampling as the group does on the mean.
     #[inline(always)]
-    fn from_asked(&self, pdf: f32) -> Rgb {
+    fn by_asking(&self, pdf: f32) -> Rgb {
         let all = self.asked.1 + pdf;
         if self.light.is_black() { Rgb::BLACK } else { self.light * (self.asked.0.z / all) }
     }
 
     /// The same for the sampled direction; light that was reflected there could not be asked for.
     #[inline(always)]
-    fn from_sampled(&self, pdf: f32) -> Rgb {
-        if !(pdf > 0.0) {
+    fn by_sampling(&self, pdf: f32) -> Rgb {
+        if pdf <= 0.0 {
             return Rgb::BLACK;
         }
         let cos = self.sampled.0.z;
