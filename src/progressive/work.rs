@@ -24,13 +24,13 @@ const BATCH: u64 = 16;
 const WAVE: u64 = 1 << 18;
 /// A preview has as many paths as the last one traced in this time, so that it stands within a
 /// frame's. It is thrown away, so it may depend on the clock.
-const PREVIEW_TIME: Duration = Duration::from_millis(10);
+const PREVIEW_TIME: Duration = Duration::from_millis(15);
 /// Paths of the first preview of all.
 const PREVIEW_PATHS: u64 = 8192;
 /// The preview is refined by this factor in each direction until a pass is no finer.
 const PREVIEW_STEP: u32 = 4;
 /// Paths of a preview that share.
-const PREVIEW_GROUP: Group = Group::ThirtyTwo;
+const PREVIEW_GROUP: Group = Group::Sixteen;
 
 /// What a driver is to do next.
 pub(super) enum Work {
