@@ -14,10 +14,12 @@ divide=${DIVIDE:-1}
 mkdir -p "$folder"
 
 # render PASSES ARGUMENTS...
+# Every path for itself: what so many passes show is what is to be seen, and thousands of them of paths
+# that share would take hours.
 render() {
     passes=$(($1 / divide))
     shift
-    "$burnish" render --passes $((passes > 0 ? passes : 1)) "$@"
+    "$burnish" render --no-reuse --passes $((passes > 0 ? passes : 1)) "$@"
 }
 
 # What the seed showed: the default scene, each model from one pass to many.
