@@ -7,6 +7,7 @@ use super::speed::{Fit, Spread};
 use crate::geometry::Bvh;
 use crate::progressive::{Params, ParamsError, render};
 use crate::scene::{Camera, Material, MaterialError, Mesh, Scene, SceneBuilder, ShapeError};
+use crate::trace::Group;
 use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -182,7 +183,9 @@ impl<'a> Job<'a> {
     /// For each path of so many passes.
     fn nanoseconds(&self, plan: &Scaling, passes: u64, repeat: u32) -> Result<f64, ParamsError> {
         let seed = plan.seed.wrapping_add(repeat.into());
-        let params = Params { size: self.size, seed, ..Params::new(self.scene.clone()) };
+        // What a path costs by itself; sharing adds what its pilot decides.
+        let group = Some(Group::None);
+        let params = Params { size: self.size, seed, group, ..Params::new(self.scene.clone()) };
         let snapshot = render(params, passes, self.threads.unwrap_or(plan.threads))?;
         Ok(1e9 * snapshot.seconds / (self.pixels() * passes as f64))
     }

@@ -140,8 +140,9 @@ impl Params {
         if self.max_depth == Some(0) {
             return Err(ParamsError::Depth);
         }
-        // Sums of all replicates, and the mean and error shown: asked for now, not when tracing.
-        let pixel = size_of::<[[f64; 3]; REPLICATES]>() + 2 * size_of::<[f32; 3]>();
+        // Sums of all replicates, a pass's samples, and the mean and error shown: asked for now, not
+        // when tracing.
+        let pixel = size_of::<[[f64; 3]; REPLICATES]>() + 3 * size_of::<[f32; 3]>();
         let bytes = w as usize * h as usize * pixel;
         if Vec::<u8>::new().try_reserve_exact(bytes).is_err() {
             let gib = bytes as f64 / (1u64 << 30) as f64;

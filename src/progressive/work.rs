@@ -19,9 +19,13 @@ use std::time::{Duration, Instant};
 
 /// Most passes that are traced before their samples are added up.
 const BATCH: u64 = 16;
-/// Samples traced between two looks at what is wanted, roughly: a tenth of a second's work at most
-/// where scenes are simple, and what a pause may lose.
-const WAVE: u64 = 1 << 18;
+/// What is traced between two looks at what is wanted is to take about so long: it is what a pause
+/// loses, and how often the picture shows what is new. No sum depends on it.
+const WAVE_TIME: Duration = Duration::from_millis(50);
+/// Fewest and most samples of that, for one worker and for all.
+const WAVE_LEAST: u64 = 8 * 512;
+const WAVE_MOST: u64 = 1 << 18;
+
 /// A preview has as many paths as the last one traced in this time, so that it stands within a
 /// frame's. It is thrown away, so it may depend on the clock.
 const PREVIEW_TIME: Duration = Duration::from_millis(15);
@@ -44,6 +48,8 @@ pub(super) struct Workers {
     shared: Arc<Shared>,
     outlet: Outlet,
     pool: ThreadPool,
+    /// Samples to be traced in [`WAVE_TIME`], as far as is known.
+    wave: AtomicU64,
 }
 
 /// Everything of one epoch that workers share. A new epoch gets a new one, so nothing of an old
@@ -85,7 +91,8 @@ impl Workers {
                 threads: options.threads,
                 reason: e.to_string(),
             })?;
-        Ok(Workers { options, shared, outlet, pool })
+        let wave = AtomicU64::new(WAVE_LEAST * pool.current_num_threads() as u64);
+        Ok(Workers { options, shared, outlet, pool, wave })
     }
 
     /// The driver's thread: until the handle is dropped.
@@ -143,7 +150,7 @@ impl Workers {
         let pixels: u64 = epoch.params.size.map(u64::from).iter().product();
         while goes_on() {
             let done = whole_passes(films);
-            let at_once = done.clamp(1, BATCH).min((WAVE / pixels).max(1));
+            let at_once = done.clamp(1, BATCH).min((self.wave() / pixels).max(1));
             let target = (done + at_once).min(self.shared.limit());
             if done >= target {
                 break;
@@ -197,8 +204,8 @@ impl Workers {
         let mut row = (0..rows).find(|&row| !have(films, row)).unwrap_or(rows);
         let mut traced = vec![0; deals.len()];
         let samples = (size[0] * TILE) as usize * deals.len();
-        let band = (WAVE as usize).div_ceil(samples);
         while row < rows {
+            let band = (self.wave() as usize).div_ceil(samples);
             let end = (row + band).min(rows);
             let lines = row as u32 * TILE..(end as u32 * TILE).min(size[1]);
             if !self.trace_lines(epoch, canvas, &deals, passes.start, lines, &mut traced) {
@@ -218,6 +225,12 @@ impl Workers {
             });
             row = end;
         }
+    }
+
+    /// Samples that are worth tracing before the next look.
+    fn wave(&self) -> u64 {
+        let least = WAVE_LEAST * self.pool.current_num_threads() as u64;
+        self.wave.load(Ordering::Relaxed).clamp(least, WAVE_MOST.max(least))
     }
 
     /// Traces what these lines of the picture need, but for the rows of bundles that already are:
@@ -241,6 +254,7 @@ impl Workers {
             *traced = rows.end;
         }
         let counts = [AtomicU64::new(0), AtomicU64::new(0)];
+        let (start, bundles) = (Instant::now(), tasks.len());
         let whole = self.for_each_task(epoch, tasks, &|(which, at), scratch| {
             let (deal, pass) = (&deals[which], first_pass + which as u64);
             epoch.trace(deal, at, pass, 1, scratch, &|pixel, sample| {
@@ -249,6 +263,11 @@ impl Workers {
             counts[0].fetch_add(std::mem::take(&mut scratch.rays), Ordering::Relaxed);
             counts[1].fetch_add(std::mem::take(&mut scratch.capped), Ordering::Relaxed);
         });
+        if whole && bundles > 0 {
+            let waves = start.elapsed().as_secs_f64() / WAVE_TIME.as_secs_f64();
+            let samples = 512.0 * bundles as f64 / waves.max(1e-6);
+            self.wave.store(samples as u64, Ordering::Relaxed);
+        }
         if whole {
             let [rays, capped] = counts.map(AtomicU64::into_inner);
             epoch.count(Counts { rays, capped, ..Counts::default() });
