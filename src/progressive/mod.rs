@@ -1,6 +1,7 @@
 //! The progressive core: [`Params`] in, epoch-stamped [`Snapshot`]s out.
 
 mod canvas;
+mod epoch;
 mod outlet;
 mod params;
 mod pilot;

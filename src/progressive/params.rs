@@ -36,7 +36,7 @@ pub struct Params {
     /// strategies, other normals and mistakes are its work anyway.
     pub reference: bool,
     /// How many neighbouring paths share what they find; `None` for as many as a
-    /// [pilot](super::pilot) finds best. Where the reference tracer works none do.
+    /// pilot finds best. Where the reference tracer works none do.
     pub group: Option<Group>,
 }
 

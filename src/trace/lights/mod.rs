@@ -16,7 +16,7 @@ mod tests;
 mod tree;
 
 pub(super) use estimate::Receiver;
-pub(super) use shapes::Asked;
+pub(super) use shapes::{Asked, SHADOW_END};
 
 use super::table::Table;
 use crate::geometry::{Geometry, Kind, NO_PLATE};

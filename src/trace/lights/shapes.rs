@@ -11,7 +11,7 @@ use crate::math::lanes::{Lane, Mask, Packet};
 use crate::math::{Frame, Rgb, V3, warp};
 
 /// Shadow rays end this close to 1: a distance along a ray is known to a few roundings of the whole.
-const SHADOW_END: f32 = 1.0 - 16.0 * f32::EPSILON;
+pub(in crate::trace) const SHADOW_END: f32 = 1.0 - 16.0 * f32::EPSILON;
 /// Rounding a flat light's point, and meeting it again, costs less than this part of its largest
 /// coordinate, as for any triangle.
 const ERROR: f32 = 8.0 * f32::EPSILON;

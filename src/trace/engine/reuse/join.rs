@@ -6,10 +6,8 @@ use crate::geometry::{Query, Ray, Stack, offset_origin};
 use crate::math::V3;
 use crate::math::columns::Columns3;
 use crate::math::lanes::{Bits, Mask, Packet, Wide};
+use crate::trace::lights::SHADOW_END;
 use crate::trace::{Effort, Tracer};
-
-/// Shadow rays end this close to 1: a distance along a ray is known to a few roundings of the whole.
-pub(super) const SHADOW_END: f32 = 1.0 - 16.0 * f32::EPSILON;
 
 impl Firsts {
     /// Corners of the box around the points of a run.

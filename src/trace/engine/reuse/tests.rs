@@ -1,7 +1,6 @@
 //! Held against the formulas themselves, one pair at a time, in double precision where it matters.
 
 use super::super::Bundle;
-use super::join::SHADOW_END;
 use super::{Firsts, Points, Seconds};
 use crate::brdf::{Ggx, Lobes, Microfacet, Model, Phong};
 use crate::geometry::{Ray, offset_origin};
@@ -9,6 +8,7 @@ use crate::math::lanes::Isa;
 use crate::math::{Frame, Rgb, V3};
 use crate::progressive::Params;
 use crate::scene::builtin::Example;
+use crate::trace::lights::SHADOW_END;
 use crate::trace::{Deal, Group, Hand, Part, Scratch, Tracer};
 use std::sync::Arc;
 

@@ -1,0 +1,247 @@
+//! One epoch: what the workers share while the parameters stay the same, and what they show.
+
+use super::canvas::Canvas;
+use super::{Counts, Params, Snapshot, State, TileGrid, TileImage};
+use crate::brdf::{Microfacet, ModelVisitor};
+use crate::film::{ErrorSums, Film};
+use crate::math::Rgb;
+use crate::trace::{Deal, Group, Hand, Scratch, Tracer};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Everything of one epoch that workers share. A new epoch gets a new one, so nothing of an old
+/// epoch can reach it.
+pub(super) struct Epoch {
+    pub(super) number: u64,
+    pub(super) params: Params,
+    pub(super) tracer: Tracer,
+    /// Once it is decided.
+    pub(super) group: OnceLock<Group>,
+    pub(super) grid: TileGrid,
+    /// One a worker.
+    pub(super) scratch: Vec<Mutex<Scratch>>,
+    shown: Vec<Shown>,
+    counts: [AtomicU64; 4],
+    /// Tracing time before the present run, in nanoseconds.
+    earlier: AtomicU64,
+    run_start: Mutex<Option<Instant>>,
+    pub(super) last_snapshot: Mutex<Instant>,
+}
+
+#[derive(Default)]
+struct Shown {
+    image: Mutex<Option<(Arc<TileImage>, ErrorSums)>>,
+    dirty: AtomicBool,
+}
+
+impl Epoch {
+    pub(super) fn new(number: u64, params: Params, threads: usize) -> Epoch {
+        let grid = TileGrid { size: params.size };
+        let tracer = params.tracer();
+        let mut shown = Vec::new();
+        shown.resize_with(grid.len(), Shown::default);
+        let scratch = (0..threads.max(1)).map(|_| Mutex::new(tracer.scratch())).collect();
+        let group = OnceLock::new();
+        let known = match params.group {
+            _ if !tracer.shares(params.model) => Some(Group::None),
+            given @ Some(_) => given,
+            None => None,
+        };
+        if let Some(known) = known {
+            let _ = group.set(known);
+        }
+        Epoch {
+            number,
+            params,
+            tracer,
+            group,
+            grid,
+            scratch,
+            shown,
+            counts: Default::default(),
+            earlier: AtomicU64::new(0),
+            run_start: Mutex::new(None),
+            last_snapshot: Mutex::new(Instant::now()),
+        }
+    }
+
+    /// Traces a bundle of a deal.
+    pub(super) fn trace(
+        &self,
+        deal: &Deal,
+        at: [u32; 2],
+        pass: u64,
+        block: u32,
+        scratch: &mut Scratch,
+        put: &(dyn Fn([u32; 2], Rgb) + Sync),
+    ) {
+        let mut hand = Hand::default();
+        deal.bundle(at, &mut hand);
+        let tracer = &self.tracer;
+        self.params.model.visit(TraceHand { tracer, hand: &hand, pass, block, scratch, put });
+    }
+
+    /// Adds the samples of some passes to a tile's film.
+    pub(super) fn add(&self, index: usize, film: &mut Film, canvas: &Canvas, passes: usize) {
+        let rect = self.grid.rect(index);
+        let mut nonfinite = 0;
+        for pass in 0..passes {
+            film.begin_pass();
+            for (pixel, sample) in canvas.tile(pass, rect).enumerate() {
+                if sample.is_finite() {
+                    film.add(pixel, sample);
+                } else {
+                    nonfinite += 1;
+                }
+            }
+            film.end_pass();
+        }
+        let paths = rect.area() as u64 * passes as u64;
+        self.count(Counts { paths, nonfinite, ..Counts::default() });
+    }
+
+    /// Shows what a film has if it is more than what is shown.
+    pub(super) fn show_if_new(&self, index: usize, film: &Film) {
+        let shown = self.shown[index].image.lock().unwrap_or_else(PoisonError::into_inner);
+        let passes = shown.as_ref().map_or(0, |(image, _)| image.passes);
+        drop(shown);
+        if film.passes() == passes {
+            return;
+        }
+        let estimate = film.estimate(self.grid.rect(index).width());
+        let image = TileImage {
+            passes: film.passes(),
+            mean: estimate.mean,
+            standard_error: estimate.standard_error,
+            block: 1,
+        };
+        self.show(index, image, estimate.sums);
+    }
+
+    /// Shows a tile in blocks of the colours on the canvas.
+    pub(super) fn show_preview(&self, index: usize, canvas: &Canvas, block: u32) {
+        let rect = self.grid.rect(index);
+        let mut mean = Vec::with_capacity(rect.area());
+        for y in rect.y0..rect.y1 {
+            for left in (rect.x0..rect.x1).step_by(block as usize) {
+                let colour = canvas.at([left / block, y / block]);
+                let colour = if colour.is_finite() { colour } else { Rgb::BLACK };
+                let width = block.min(rect.x1 - left) as usize;
+                mean.extend(std::iter::repeat_n(<[f32; 3]>::from(colour), width));
+            }
+        }
+        let image = TileImage { passes: 0, mean, standard_error: Vec::new(), block };
+        self.show(index, image, ErrorSums::default());
+    }
+
+    /// Whether the last snapshot is so long ago.
+    pub(super) fn is_snapshot_due(&self, interval: Duration) -> bool {
+        let last = self.last_snapshot.lock().unwrap_or_else(PoisonError::into_inner);
+        last.elapsed() >= interval
+    }
+
+    fn show(&self, index: usize, image: TileImage, sums: ErrorSums) {
+        let shown = &self.shown[index];
+        *shown.image.lock().unwrap_or_else(PoisonError::into_inner) = Some((Arc::new(image), sums));
+        shown.dirty.store(true, Ordering::Release);
+    }
+
+    pub(super) fn count(&self, c: Counts) {
+        for (total, n) in self.counts.iter().zip([c.paths, c.rays, c.nonfinite, c.capped]) {
+            total.fetch_add(n, Ordering::Relaxed);
+        }
+    }
+
+    pub(super) fn clock(&self, running: bool) {
+        let mut start = self.run_start.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(start) = start.take() {
+            self.earlier.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+        }
+        *start = running.then(Instant::now);
+    }
+
+    fn seconds(&self) -> f64 {
+        let start = self.run_start.lock().unwrap_or_else(PoisonError::into_inner);
+        let run = start.map_or(0.0, |s| s.elapsed().as_secs_f64());
+        run + self.earlier.load(Ordering::Relaxed) as f64 * 1e-9
+    }
+
+    pub(super) fn passes_shown(&self) -> u64 {
+        let passes = |s: &Shown| match &*s.image.lock().unwrap_or_else(PoisonError::into_inner) {
+            Some((image, _)) => image.passes,
+            None => 0,
+        };
+        self.shown.iter().map(passes).min().unwrap_or(0)
+    }
+
+    pub(super) fn snapshot(&self, state: State, passes: u64) -> Snapshot {
+        let mut dirty = Vec::new();
+        let mut tiles = Vec::with_capacity(self.shown.len());
+        let mut sums = ErrorSums::default();
+        for (index, shown) in self.shown.iter().enumerate() {
+            // The flag first: an image shown in between is then sent twice rather than never.
+            if shown.dirty.swap(false, Ordering::AcqRel) {
+                dirty.push(index as u32);
+            }
+            let image = shown.image.lock().unwrap_or_else(PoisonError::into_inner).clone();
+            if let Some((_, tile)) = &image {
+                sums.add(tile);
+            }
+            tiles.push(image.map(|(i, _)| i));
+        }
+        let [paths, rays, nonfinite, capped] =
+            [0, 1, 2, 3].map(|i: usize| self.counts[i].load(Ordering::Relaxed));
+        let pixels = self.params.size.map(u64::from).iter().product();
+        Snapshot {
+            epoch: self.number,
+            grid: self.grid,
+            tiles,
+            dirty,
+            passes,
+            counts: Counts { paths, rays, nonfinite, capped },
+            error: sums.estimate(pixels, passes),
+            group: self.group.get().copied().unwrap_or_default(),
+            seconds: self.seconds(),
+            state,
+        }
+    }
+}
+
+/// One pass of a bundle.
+struct TraceHand<'a> {
+    tracer: &'a Tracer,
+    hand: &'a Hand,
+    pass: u64,
+    block: u32,
+    scratch: &'a mut Scratch,
+    put: &'a (dyn Fn([u32; 2], Rgb) + Sync),
+}
+
+impl ModelVisitor for TraceHand<'_> {
+    type Output = ();
+    fn visit<M: Microfacet>(self) {
+        let TraceHand { tracer, hand, pass, block, scratch, put } = self;
+        tracer
+            .sample_hand::<M>(hand, pass, block, scratch, &mut |pixel, sample| put(pixel, sample));
+    }
+}
+
+/// What is told of a worker that panicked.
+pub(super) fn failure(epoch: &Epoch, panic: &(dyn std::any::Any + Send)) -> String {
+    let text = panic
+        .downcast_ref::<&str>()
+        .map(|s| s.to_string())
+        .or_else(|| panic.downcast_ref::<String>().cloned())
+        .unwrap_or_else(|| "no reason given".into());
+    let p = &epoch.params;
+    format!(
+        "a worker failed: {text}. This is a fault of burnish; to repeat it: scene {}, model {}, seed {}, {}x{}, {:?}",
+        p.scene.name(),
+        p.model.name(),
+        p.seed,
+        p.size[0],
+        p.size[1],
+        p.method()
+    )
+}
