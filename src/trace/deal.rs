@@ -13,8 +13,11 @@ use std::ops::Range;
 
 /// Places of a bundle, across and down.
 const PLACES: [u32; 2] = [32, 16];
-/// Length of a strip.
-const STRIP: u32 = 4;
+/// Length of a strip in the first passes, where the groups of a few could be seen, and in all others,
+/// where nearer neighbours leave an eighth less of the error.
+const STRIPS: [u32; 2] = [8, 4];
+/// How many passes are the first.
+const FIRST_PASSES: u64 = 8;
 
 /// How many paths share what they find.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -72,7 +75,8 @@ pub struct Deal {
     group: Group,
     /// Where the grid's first bundle begins, before the picture's corner.
     offset: [u32; 2],
-    /// Where the first strips begin.
+    /// How long strips are, and where the first ones begin.
+    strip: u32,
     strips: [u32; 2],
     salt: u32,
 }
@@ -108,11 +112,13 @@ impl Deal {
         let salt = words.into_iter().fold(0x6465_616c, hash);
         let still = group == Group::None;
         let draw = |what: u32, below: u32| if still { 0 } else { hash(salt, what) % below };
+        let strip = STRIPS[usize::from(pass >= FIRST_PASSES)];
         Deal {
             size,
             group,
             offset: [draw(1, PLACES[0]), draw(2, PLACES[1])],
-            strips: [draw(3, STRIP), draw(4, STRIP)],
+            strip,
+            strips: [draw(3, strip), draw(4, strip)],
             salt,
         }
     }
@@ -125,8 +131,8 @@ impl Deal {
     /// The rows of bundles that hold all pixels of these rows of the picture.
     pub fn bundle_rows(&self, rows: Range<u32>) -> Range<u32> {
         let place = |y: u32| (y + self.offset[1]) / PLACES[1];
-        let last = (rows.end + STRIP - 2).min(self.size[1] - 1);
-        place(rows.start.saturating_sub(STRIP - 1))..place(last) + 1
+        let last = (rows.end + self.strip - 2).min(self.size[1] - 1);
+        place(rows.start.saturating_sub(self.strip - 1))..place(last) + 1
     }
 
     /// The pixels of the bundle in this column and row. Every pixel is in one bundle.
@@ -199,9 +205,9 @@ impl Deal {
     /// A coordinate along an axis after its strip was turned by as much as strip and line say.
     #[inline(always)]
     fn turned(&self, axis: usize, along: u32, line: u32, back: bool) -> u32 {
-        let strip = (along + self.strips[axis]) / STRIP;
-        let start = (strip * STRIP).saturating_sub(self.strips[axis]);
-        let end = ((strip + 1) * STRIP - self.strips[axis]).min(self.size[axis]);
+        let strip = (along + self.strips[axis]) / self.strip;
+        let start = (strip * self.strip).saturating_sub(self.strips[axis]);
+        let end = ((strip + 1) * self.strip - self.strips[axis]).min(self.size[axis]);
         let length = end - start;
         let number = mix(U32(self.salt ^ (axis as u32) << 31 ^ strip << 16 ^ line)).0;
         let by = ((u64::from(number) * u64::from(length)) >> 32) as u32;
@@ -220,7 +226,7 @@ mod tests {
     fn every_pixel_is_dealt_once_and_found_again() {
         for size in SIZES {
             for group in Group::ALL {
-                for pass in [0, 1, 7] {
+                for pass in [0, 7, 8, 31] {
                     let deal = Deal::new(size, 5, pass, group);
                     let mut seen = vec![0; (size[0] * size[1]) as usize];
                     let [columns, rows] = deal.bundles();
