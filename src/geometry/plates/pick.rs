@@ -1,0 +1,168 @@
+//! Which faces of a scene are plates: the largest triangles, joined two by two where they make a
+//! convex quadrilateral.
+
+use super::{MOST, Plate};
+use crate::geometry::offset::ROUNDING;
+use crate::geometry::{Geometry, Kind};
+use crate::math::V3;
+use glam::DVec3;
+
+/// Scenes of so few triangles are plates altogether.
+const FEW: usize = 96;
+/// Otherwise triangles of at least this part of half the surface of the scene's box are.
+const LARGE: f64 = 1.0 / 256.0;
+/// A triangle's longest side squared over twice its area is at most this: of slender ones distances
+/// are not known well enough.
+const SLENDER: f64 = 64.0;
+/// Corners of a four-sided plate lie in its plane to within this.
+const FLAT: f64 = 4.0 * ROUNDING as f64;
+
+/// The plates of a scene, in order of the larger of their triangles.
+pub(super) fn pick(geometry: &Geometry) -> Vec<Plate> {
+    let mut candidates = candidates(geometry);
+    candidates.sort_by(|a, b| b.area.total_cmp(&a.area).then(a.triangle.cmp(&b.triangle)));
+    candidates.truncate(2 * MOST);
+    let mut plates = Vec::new();
+    let mut used = vec![false; candidates.len()];
+    for i in 0..candidates.len() {
+        if used[i] || plates.len() == MOST {
+            continue;
+        }
+        used[i] = true;
+        let partner = (i + 1..candidates.len()).find_map(|j| {
+            let plate = (!used[j]).then(|| quad(&candidates[i], &candidates[j]))??;
+            Some((j, plate))
+        });
+        plates.push(match partner {
+            Some((j, plate)) => {
+                used[j] = true;
+                plate
+            }
+            None => alone(&candidates[i]),
+        });
+    }
+    plates
+}
+
+struct Candidate {
+    triangle: u32,
+    corners: [DVec3; 3],
+    /// Not normalised.
+    normal: DVec3,
+    area: f64,
+    slenderness: f64,
+}
+
+fn candidates(geometry: &Geometry) -> Vec<Candidate> {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for p in &geometry.positions {
+        (low, high) = (low.min(wide(*p)), high.max(wide(*p)));
+    }
+    let size = (high - low).max(DVec3::ZERO);
+    let box_area = size.x * size.y + size.y * size.z + size.z * size.x;
+    let least = if geometry.triangles.len() <= FEW { 0.0 } else { LARGE * box_area };
+    let candidate = |triangle: usize| {
+        let corners = geometry.corners(triangle).map(wide);
+        let sides = [0, 1, 2].map(|i| (corners[(i + 1) % 3] - corners[i]).length_squared());
+        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        let area = 0.5 * normal.length();
+        let slenderness = sides.into_iter().fold(0.0, f64::max) / (2.0 * area);
+        let triangle = triangle as u32;
+        let fits = area > 0.0 && area >= least && slenderness <= SLENDER;
+        fits.then_some(Candidate { triangle, corners, normal, area, slenderness })
+    };
+    (0..geometry.triangles.len()).filter_map(candidate).collect()
+}
+
+fn wide(v: V3) -> DVec3 {
+    DVec3::new(v.x.into(), v.y.into(), v.z.into())
+}
+
+pub(super) fn narrow(v: DVec3) -> V3 {
+    V3::from(v.as_vec3().to_array())
+}
+
+/// The line through two points of a plane, `n` its unit normal: inwards where the corners run
+/// counter-clockwise about it.
+fn edge(n: DVec3, a: DVec3, b: DVec3) -> (V3, f32) {
+    let m = n.cross(b - a).normalize();
+    (narrow(m), m.dot(a) as f32)
+}
+
+fn plane(corners: &[DVec3], normal: DVec3) -> (DVec3, f64) {
+    let n = normal.normalize();
+    (n, corners.iter().map(|c| n.dot(*c)).sum::<f64>() / corners.len() as f64)
+}
+
+fn alone(candidate: &Candidate) -> Plate {
+    let [a, b, c] = candidate.corners;
+    let (n, d) = plane(&candidate.corners, candidate.normal);
+    let last = edge(n, c, a);
+    Plate {
+        n: narrow(n),
+        d: d as f32,
+        edges: [edge(n, a, b), edge(n, b, c), last, last],
+        // Every point is on the near side of it.
+        diagonal: (V3::default(), 1e30),
+        triangles: [candidate.triangle; 2],
+        slenderness: candidate.slenderness as f32,
+    }
+}
+
+/// The convex quadrilateral of two triangles with a common side in one plane, if it is one.
+fn quad(first: &Candidate, second: &Candidate) -> Option<Plate> {
+    let [p, q] = [&first.corners, &second.corners];
+    let lone = |these: &[DVec3; 3], those: &[DVec3; 3]| {
+        let mut alone = (0..3).filter(|&i| !those.contains(&these[i]));
+        alone.next().filter(|_| alone.next().is_none())
+    };
+    let (i, j) = (lone(p, q)?, lone(q, p)?);
+    // Counter-clockwise about the first triangle's normal, the common side from b to e.
+    let (a, b, e, c) = (p[i], p[(i + 1) % 3], p[(i + 2) % 3], q[j]);
+    let corners = [a, b, c, e];
+    let (n, d) = plane(&corners, first.normal);
+    let flat = corners.iter().all(|corner| (n.dot(*corner) - d).abs() <= FLAT);
+    let turns = |i: usize| {
+        let [before, at, after] = [corners[i], corners[(i + 1) % 4], corners[(i + 2) % 4]];
+        (at - before).cross(after - at).dot(n)
+    };
+    let convex = (0..4).all(|i| turns(i) > 1e-3 * first.area.min(second.area));
+    if !flat || !convex {
+        return None;
+    }
+    let (m, c0) = edge(n, b, e);
+    Some(Plate {
+        n: narrow(n),
+        d: d as f32,
+        edges: [edge(n, a, b), edge(n, b, c), edge(n, c, e), edge(n, e, a)],
+        diagonal: (-m, -c0),
+        triangles: [first.triangle, second.triangle],
+        slenderness: first.slenderness.max(second.slenderness) as f32,
+    })
+}
+
+/// Whether the whole scene is on one side of the plate's plane.
+pub(super) fn is_on_the_hull(geometry: &Geometry, plate: &Plate) -> bool {
+    let (n, d) = (wide(plate.n), f64::from(plate.d));
+    let (mut low, mut high) = (0.0f64, 0.0f64);
+    let mut extend = |p: V3, by: f32| {
+        let height = n.dot(wide(p)) - d;
+        low = low.min(height - f64::from(by));
+        high = high.max(height + f64::from(by));
+    };
+    for triangle in 0..geometry.triangles.len() {
+        geometry.corners(triangle).into_iter().for_each(|p| extend(p, 0.0));
+    }
+    for primitive in geometry.triangles.len()..geometry.len() {
+        match geometry.kind(primitive as u32) {
+            Kind::Sphere(i) => extend(geometry.spheres[i].centre, geometry.spheres[i].radius),
+            Kind::Cylinder(i) => {
+                let cylinder = &geometry.cylinders[i];
+                let reach = cylinder.radius + cylinder.height;
+                extend(cylinder.base, reach);
+            }
+            Kind::Triangle(_) => {}
+        }
+    }
+    low.max(-high) >= -FLAT
+}

@@ -1,0 +1,202 @@
+//! Against the exact test, ray by ray.
+
+use super::pick::narrow;
+use super::*;
+use crate::geometry::{Hit, Ray, offset_origin, resolve};
+use crate::math::lanes::{Isa, Kernel, Wide, dispatch};
+use crate::scene::{Material, Mesh, Scene, SceneBuilder};
+use glam::{DAffine3, DVec3};
+
+/// Numbers in [0, 1) in an order without pattern.
+struct Numbers(u64);
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+    fn point(&mut self) -> DVec3 {
+        DVec3::new(self.next(), self.next(), self.next()) * 2.0 - 1.0
+    }
+}
+
+/// A closed room with boxes in it, turned, and loose triangles that cut through them.
+fn room(numbers: &mut Numbers) -> Scene {
+    let mut b = SceneBuilder::new("room");
+    let clay = b.material(Material::reflecting("clay", [0.5; 3], [0.0; 3], 1.0).unwrap());
+    let mut soup = Mesh::default();
+    for _ in 0..12 {
+        let p = numbers.point() * 0.7;
+        soup.positions.extend([(); 3].map(|()| p + numbers.point() * 0.4));
+        let n = soup.positions.len() as u32;
+        soup.triangles.push([n - 3, n - 2, n - 1]);
+    }
+    b.mesh(&soup, DAffine3::IDENTITY, clay).unwrap();
+    b.cuboid(DVec3::splat(-1.0), DVec3::splat(2.0), clay).unwrap();
+    for _ in 0..4 {
+        b.cuboid(numbers.point() * 0.6, numbers.point() * 0.3 + DVec3::splat(0.35), clay).unwrap();
+    }
+    b.build()
+}
+
+/// What as many rays met by the quick test and then the exact distance: t, triangle, weights,
+/// and whether it is open; and for the same rays cut at `t_max` whether they are blocked.
+struct Quick<'a> {
+    scene: &'a Scene,
+    rays: &'a [Segment],
+}
+/// A ray, how far it goes, and the plates at its ends.
+type Segment = (Ray, f32, [u32; 2]);
+type Answer = (Option<Hit>, bool, [bool; 2]);
+
+impl Kernel for Quick<'_> {
+    type Output = Vec<Answer>;
+    #[inline(always)]
+    fn run<W: Wide, P: Packet>(self) -> Vec<Answer> {
+        let (plates, geometry) = (self.scene.bvh().plates(), self.scene.geometry());
+        let mut answers = Vec::new();
+        for rays in self.rays.chunks_exact(16) {
+            for rays in rays.chunks_exact(P::WIDTH) {
+                let column = |f: &dyn Fn(&Segment) -> f32| {
+                    let mut x = [0.0; 16];
+                    x.iter_mut().zip(rays).for_each(|(x, ray)| *x = f(ray));
+                    P::load(&x)
+                };
+                let ends = [0, 1].map(|end: usize| {
+                    let mut x = [0; 16];
+                    x.iter_mut().zip(rays).for_each(|(x, ray)| *x = ray.2[end]);
+                    P::load_bits(&x)
+                });
+                let o = V3::new(column(&|r| r.0.o.x), column(&|r| r.0.o.y), column(&|r| r.0.o.z));
+                let d = V3::new(column(&|r| r.0.d.x), column(&|r| r.0.d.y), column(&|r| r.0.d.z));
+                let t_max = column(&|r| r.1);
+                let hits = plates.closest::<P>(o, d, ends[0]);
+                let between = (t_max.lt(P::splat(f32::INFINITY))).all();
+                let all = P::mask(u32::MAX);
+                let [blocked, unsure] = plates.occluded::<P>(o, d, t_max, ends, all, between);
+                let (mut plate, mut triangle) = ([0; 16], [0; 16]);
+                P::store_bits(hits.plate, &mut plate);
+                P::store_bits(hits.triangle, &mut triangle);
+                let corner = |vertex: usize| {
+                    let of = |axis: usize| {
+                        let mut x = [0.0; 16];
+                        for lane in 0..P::WIDTH {
+                            let p = geometry.corners(triangle[lane] as usize)[vertex];
+                            x[lane] = [p.x, p.y, p.z][axis];
+                        }
+                        P::load(&x)
+                    };
+                    V3::new(of(0), of(1), of(2))
+                };
+                let corners = [corner(0), corner(1), corner(2)];
+                let (t, b) = resolve::<P>(o, d, corners, P::mask(u32::MAX));
+                let mut found = [[0.0; 16]; 3];
+                for (found, x) in found.iter_mut().zip([t, b[0], b[1]]) {
+                    x.store(found);
+                }
+                for lane in 0..P::WIDTH {
+                    let bit = |mask: P::Mask| mask.bits() >> lane & 1 != 0;
+                    let [t, b1, b2] = found.map(|x| x[lane]);
+                    let hit = Hit { t, primitive: triangle[lane], b: [b1, b2] };
+                    let hit = (plate[lane] != NO_PLATE).then_some(hit);
+                    answers.push((hit, bit(hits.open), [bit(blocked), bit(unsure)]));
+                }
+            }
+        }
+        answers
+    }
+}
+
+/// Rays from anywhere, from surfaces, and at the very edges and corners; some of them from
+/// surface to surface.
+fn rays(scene: &Scene, numbers: &mut Numbers) -> Vec<Segment> {
+    let (geometry, plates) = (scene.geometry(), scene.bvh().plates());
+    let count = geometry.triangles.len();
+    let mut rays = Vec::new();
+    while rays.len() < 1 << 15 {
+        let mut pick = || ((numbers.next() * count as f64) as usize).min(count - 1);
+        let (here, there) = (pick(), pick());
+        let weights = match rays.len() % 4 {
+            0 => [0.0, 0.0],
+            1 => [numbers.next() as f32, 0.0],
+            _ => [0.5 * numbers.next() as f32, 0.5 * numbers.next() as f32],
+        };
+        let target = geometry.triangle_surface(there, weights);
+        let inside = [0.5 * numbers.next() as f32, 0.5 * numbers.next() as f32];
+        let start = geometry.triangle_surface(here, inside);
+        let wi = target.p - start.p;
+        if wi.length2() < 1e-6 {
+            continue;
+        }
+        let wi = wi.normalize();
+        // Along its own face a ray has no business, and the exact test none to do.
+        if start.ng.dot(wi).abs().min(target.ng.dot(wi).abs()) < 1e-3 {
+            continue;
+        }
+        let ng = if start.ng.dot(wi) < 0.0 { -start.ng } else { start.ng };
+        let o = offset_origin(start.p, start.error, ng, wi);
+        let from = plates.plate_of(here as u32);
+        if rays.len() % 2 == 0 {
+            let anywhere = narrow(numbers.point() * 0.9);
+            let d = target.p - anywhere;
+            let ray = Ray { o: anywhere, d: d.normalize() };
+            rays.push((ray, f32::INFINITY, [NO_PLATE; 2]));
+        } else if rays.len() % 32 < 16 {
+            rays.push((Ray { o, d: wi }, f32::INFINITY, [from, NO_PLATE]));
+        } else {
+            let d = offset_origin(target.p, target.error, target.ng, -wi) - o;
+            let to = plates.plate_of(there as u32);
+            rays.push((Ray { o, d }, 1.0 - 16.0 * f32::EPSILON, [from, to]));
+        }
+    }
+    // Such that whole registers run from surface to surface.
+    rays.sort_by_key(|ray| ray.1 < 1.0);
+    rays
+}
+
+#[test]
+fn what_is_not_left_open_is_exactly_right() {
+    let mut numbers = Numbers(7);
+    for _ in 0..4 {
+        let scene = room(&mut numbers);
+        let (bvh, geometry) = (scene.bvh(), scene.geometry());
+        assert!(bvh.plates().plates.len() > 20);
+        let rays = rays(&scene, &mut numbers);
+        let mut stack = bvh.stack();
+        for isa in Isa::available() {
+            let answers = dispatch(isa, Quick { scene: &scene, rays: &rays });
+            assert_eq!(answers.len(), rays.len());
+            let (mut open, mut unsure) = (0, 0);
+            for ((ray, t_max, _), (hit, is_open, [blocked, is_unsure])) in rays.iter().zip(answers)
+            {
+                let truth = bvh.closest(geometry, ray, f32::INFINITY, &mut stack);
+                assert!(is_open || hit == truth, "{isa:?} {hit:?} {truth:?} {ray:?}");
+                let truth = bvh.occluded(geometry, ray, *t_max, &mut stack);
+                assert!(is_unsure || blocked == truth, "{isa:?} {truth} {t_max} {ray:?}");
+                open += usize::from(is_open);
+                unsure += usize::from(is_unsure);
+            }
+            // Half of the rays are aimed at edges and corners; of the others hardly one.
+            assert!(open < rays.len() * 11 / 20, "{open} of {}", rays.len());
+            assert!(unsure < rays.len() * 9 / 20, "{unsure} of {}", rays.len());
+        }
+    }
+}
+
+/// A box is six plates, each on the hull; what is in it has inner ones.
+#[test]
+fn faces_of_a_box_are_joined_and_its_hull_is_known() {
+    let mut b = SceneBuilder::new("boxes");
+    let clay = b.material(Material::reflecting("clay", [0.5; 3], [0.0; 3], 1.0).unwrap());
+    b.cuboid(DVec3::ZERO, DVec3::ONE, clay).unwrap();
+    b.cuboid(DVec3::splat(0.4), DVec3::splat(0.3), clay).unwrap();
+    let scene = b.build();
+    let plates = scene.bvh().plates();
+    assert_eq!(plates.plates.len(), 12);
+    assert_eq!(plates.inner.len(), 6);
+    assert_eq!(plates.triangles().collect::<Vec<_>>(), (0..24).collect::<Vec<_>>());
+    for triangle in 0..24 {
+        let plate = plates.plate_of(triangle);
+        assert!(plates.plates[plate as usize].triangles.contains(&triangle));
+    }
+    assert_eq!(plates.plate_of(24), NO_PLATE);
+}
