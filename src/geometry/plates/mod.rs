@@ -6,6 +6,7 @@
 //! same distance, are marked as open, and the exact test decides about them. So no hit depends on
 //! the quick one.
 
+mod clusters;
 mod pick;
 #[cfg(test)]
 mod tests;
@@ -14,6 +15,7 @@ use super::Geometry;
 use super::offset::ROUNDING;
 use crate::math::V3;
 use crate::math::lanes::{Bits, Mask, Packet};
+use clusters::{Cluster, Slabs};
 
 /// A plate that is none.
 pub(crate) const NO_PLATE: u32 = u32::MAX;
@@ -31,23 +33,47 @@ struct Plate {
     /// Unit normal and its product with the points of the plane.
     n: V3,
     d: f32,
-    /// Inwards across each edge: unit, and its product with the edge's points. A triangle's last
-    /// edge is there twice.
-    edges: [(V3, f32); 4],
-    /// Across the diagonal, towards the second triangle.
-    diagonal: (V3, f32),
+    sides: Sides,
+    /// Across the diagonal, towards the second triangle, if there is one.
+    diagonal: Option<Line>,
     triangles: [u32; 2],
     slenderness: f32,
+}
+
+/// A line in a plate's plane: a unit vector across it and its product with the line's points.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    m: V3,
+    c: f32,
+}
+
+/// Two parallel edges: the line in the middle between them, and how far off they are.
+#[derive(Clone, Copy, Debug)]
+struct Strip {
+    middle: Line,
+    half: f32,
+}
+
+/// A plate's edges, their lines inwards. Parallel ones are looked at together.
+#[derive(Clone, Debug)]
+enum Sides {
+    Triangle([Line; 3]),
+    Parallelogram([Strip; 2]),
+    Trapezoid(Strip, [Line; 2]),
+    Quadrilateral([Line; 4]),
 }
 
 /// All plates of a scene.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Plates {
     plates: Vec<Plate>,
-    /// The places of all of them.
-    all: Vec<u32>,
+    /// Those on the convex hull.
+    outer: Vec<u32>,
     /// Those that bodies may lie behind, as seen from between surfaces: not on the convex hull.
     inner: Vec<u32>,
+    /// The inner ones that lie together, and the rest of them.
+    clusters: Vec<Cluster>,
+    lone: Vec<u32>,
     /// The inner ones by component, for [`Plates::between`].
     shades: Box<Shades>,
     /// Triangles and their plates, by triangle.
@@ -94,23 +120,33 @@ impl Plates {
             .collect();
         plate_of.sort_unstable();
         plate_of.dedup();
-        let all: Vec<u32> = (0..plates.len() as u32).collect();
-        let hides = |&&i: &&u32| !pick::is_on_the_hull(geometry, &plates[i as usize]);
-        let inner: Vec<u32> = all.iter().filter(hides).copied().collect();
+        let places = 0..plates.len() as u32;
+        let (outer, inner): (Vec<u32>, Vec<u32>) =
+            places.partition(|&at| pick::is_on_the_hull(geometry, &plates[at as usize]));
+        let bounds_of = |corners: &mut dyn Iterator<Item = V3>| {
+            let start = [f32::INFINITY, f32::NEG_INFINITY].map(V3::splat);
+            corners.fold(start, |[low, high], p| [low.min(p), high.max(p)])
+        };
+        let bounds = |at: u32| {
+            let corners = plates[at as usize].triangles.map(|i| geometry.corners(i as usize));
+            bounds_of(&mut corners.into_iter().flatten())
+        };
         let mut shades = Box::<Shades>::default();
         for (i, &at) in inner.iter().enumerate() {
-            let Plate { n, d, triangles, .. } = &plates[at as usize];
+            let Plate { n, d, .. } = &plates[at as usize];
             shades.d[i] = *d;
-            let corners = triangles.map(|triangle| geometry.corners(triangle as usize));
+            let [low, high] = bounds(at);
             for axis in 0..3 {
                 let of = |v: V3| [v.x, v.y, v.z][axis];
                 shades.n[axis][i] = of(*n);
-                let along = || corners.iter().flatten().map(|corner| of(*corner));
-                shades.bounds[0][axis][i] = along().fold(f32::INFINITY, f32::min) - ASIDE;
-                shades.bounds[1][axis][i] = along().fold(f32::NEG_INFINITY, f32::max) + ASIDE;
+                shades.bounds[0][axis][i] = of(low) - ASIDE;
+                shades.bounds[1][axis][i] = of(high) + ASIDE;
             }
         }
-        Plates { plates, all, inner, shades, plate_of }
+        let all = bounds_of(&mut geometry.positions.iter().copied());
+        let pieces: Vec<_> = inner.iter().map(|&at| (at, bounds(at))).collect();
+        let (clusters, lone) = clusters::gather(&pieces, all);
+        Plates { plates, outer, inner, clusters, lone, shades, plate_of }
     }
 
     /// Which of the inner plates may be met on the way from a point to any point of a box, given by
@@ -163,7 +199,7 @@ impl Plates {
     /// The nearest plates that rays meet, but for the one each leaves from.
     #[inline(always)]
     pub(crate) fn closest<P: Packet>(&self, o: V3<P>, d: V3<P>, from: P::Bits) -> PlateHits<P> {
-        let (clearance, zero) = ([clearance(o), d.length()], P::splat(0.0));
+        let clearance = clearance(o, d);
         let mut hits = PlateHits {
             t: P::splat(f32::INFINITY),
             within: P::splat(0.0),
@@ -171,27 +207,56 @@ impl Plates {
             triangle: P::Bits::splat(0),
             open: P::mask(0),
         };
-        for (at, plate) in (0..).zip(&self.plates) {
-            let met = plate.meet(o, d, clearance);
-            let own = P::equal_bits(from, P::Bits::splat(at));
-            let [most, least] = met.depth(hits.t);
-            let outside = own | most.lt(zero);
-            if outside.all() {
-                continue;
+        for &at in self.outer.iter().chain(&self.lone) {
+            self.take_nearer(at, &mut hits, (o, d), from, clearance);
+        }
+        if self.clusters.is_empty() {
+            return hits;
+        }
+        let slabs = Slabs::new(o, d, clearance);
+        for cluster in &self.clusters {
+            if slabs.meet(cluster, hits.t + hits.within).any() {
+                for &at in &cluster.plates {
+                    self.take_nearer(at, &mut hits, (o, d), from, clearance);
+                }
             }
-            let nearer = least.gt(zero) & !own;
-            let (m, c) = plate.diagonal;
-            let second = dot(m, met.x) - P::splat(c);
-            let known = outside | (nearer & second.abs().gt(met.band));
-            hits.open = hits.open | !known;
-            let [a, b] = plate.triangles.map(P::Bits::splat);
-            let triangle = P::select_bits(second.gt(zero), b, a);
-            hits.t = P::select(nearer, met.t, hits.t);
-            hits.within = P::select(nearer, met.within, hits.within);
-            hits.plate = P::select_bits(nearer, P::Bits::splat(at), hits.plate);
-            hits.triangle = P::select_bits(nearer, triangle, hits.triangle);
         }
         hits
+    }
+
+    /// Takes one plate down where it is nearer. There are no short cuts where lanes differ: a wrong
+    /// guess costs more than a plate.
+    #[inline(always)]
+    fn take_nearer<P: Packet>(
+        &self,
+        at: u32,
+        hits: &mut PlateHits<P>,
+        (o, d): (V3<P>, V3<P>),
+        from: P::Bits,
+        clearance: P,
+    ) {
+        let (plate, zero) = (&self.plates[at as usize], P::splat(0.0));
+        let way = plate.way(o, d, clearance);
+        if P::WIDTH == 1 && way.is_off(hits.t).any() {
+            return;
+        }
+        let x = way.point(o, d);
+        let own = P::equal_bits(from, P::Bits::splat(at));
+        let [most, least] = way.depth(plate.sides.inside(x), hits.t);
+        let outside = own | most.lt(zero);
+        let nearer = least.gt(zero) & !own;
+        let [a, b] = plate.triangles.map(P::Bits::splat);
+        let (mut known, mut triangle) = (outside | nearer, a);
+        if let Some(diagonal) = &plate.diagonal {
+            let second = diagonal.across(x);
+            known = outside | (nearer & second.abs().gt(way.band));
+            triangle = P::select_bits(second.gt(zero), b, a);
+        }
+        hits.open = hits.open | !known;
+        hits.t = P::select(nearer, way.t, hits.t);
+        hits.within = P::select(nearer, way.within, hits.within);
+        hits.plate = P::select_bits(nearer, P::Bits::splat(at), hits.plate);
+        hits.triangle = P::select_bits(nearer, triangle, hits.triangle);
     }
 
     /// Which of the rays certainly meet a plate before `t_max`, other than the ones they leave from
@@ -202,17 +267,25 @@ impl Plates {
         o: V3<P>,
         d: V3<P>,
         t_max: P,
-        [from, to]: [P::Bits; 2],
+        ends: [P::Bits; 2],
         mut live: P::Mask,
         between: bool,
     ) -> [P::Mask; 2] {
-        let clearance = [clearance(o), d.length()];
-        let candidates = if between { &self.inner } else { &self.all };
+        let clearance = clearance(o, d);
         let mut shadow = Shadow { blocked: P::mask(0), open: P::mask(0) };
-        for &at in candidates {
-            live = live & !self.shade(at, &mut shadow, (o, d, t_max), [from, to], clearance);
-            if !live.any() {
-                break;
+        let outer = if between { &[] } else { &self.outer[..] };
+        for &at in self.lone.iter().chain(outer) {
+            live = live & !self.shade(at, &mut shadow, (o, d, t_max), ends, clearance);
+        }
+        if !self.clusters.is_empty() {
+            let slabs = Slabs::new(o, d, clearance);
+            for cluster in &self.clusters {
+                if !(slabs.meet(cluster, t_max) & live).any() {
+                    continue;
+                }
+                for &at in &cluster.plates {
+                    live = live & !self.shade(at, &mut shadow, (o, d, t_max), ends, clearance);
+                }
             }
         }
         [shadow.blocked, shadow.open & !shadow.blocked]
@@ -230,7 +303,7 @@ impl Plates {
         ends: [P::Bits; 2],
         mut live: P::Mask,
     ) -> [P::Mask; 2] {
-        let clearance = [clearance(o), d.length()];
+        let clearance = clearance(o, d);
         let mut shadow = Shadow { blocked: P::mask(0), open: P::mask(0) };
         while which != 0 && live.any() {
             let at = self.inner[which.trailing_zeros() as usize];
@@ -248,14 +321,19 @@ impl Plates {
         shadow: &mut Shadow<P>,
         (o, d, t_max): (V3<P>, V3<P>, P),
         [from, to]: [P::Bits; 2],
-        clearance: [P; 2],
+        clearance: P,
     ) -> P::Mask {
-        let met = self.plates[at as usize].meet(o, d, clearance);
+        let plate = &self.plates[at as usize];
+        let way = plate.way(o, d, clearance);
+        let zero = P::splat(0.0);
+        if P::WIDTH == 1 && way.is_off(t_max).any() {
+            return P::mask(0);
+        }
         let this = P::Bits::splat(at);
         let own = P::equal_bits(from, this) | P::equal_bits(to, this);
-        let [most, least] = met.depth(t_max);
-        let outside = own | most.lt(P::splat(0.0));
-        let inside = least.gt(P::splat(0.0)) & !own;
+        let [most, least] = way.depth(plate.sides.inside(way.point(o, d)), t_max);
+        let outside = own | most.lt(zero);
+        let inside = least.gt(zero) & !own;
         shadow.blocked = shadow.blocked | inside;
         shadow.open = shadow.open | !(outside | inside);
         inside
@@ -268,44 +346,75 @@ struct Shadow<P: Packet> {
     open: P::Mask,
 }
 
-/// A ray and a plate.
-struct Meeting<P> {
-    x: V3<P>,
+/// How far it is to a plane along a ray.
+#[derive(Clone, Copy)]
+struct Way<P> {
     t: P,
-    /// How far off the distance may be.
-    within: P,
-    /// How far inside the point is.
-    inside: P,
     /// How far off that may be.
+    within: P,
+    /// How far off the point's distances in the plane may be.
     band: P,
 }
 
-impl<P: Packet> Meeting<P> {
+impl<P: Packet> Way<P> {
+    #[inline(always)]
+    fn point(&self, o: V3<P>, d: V3<P>) -> V3<P> {
+        let along = |d: P, o: P| d.mul_add(self.t, o);
+        V3::new(along(d.x, o.x), along(d.y, o.y), along(d.z, o.z))
+    }
+
+    /// Whether it is certainly not ahead, or beyond `t_max`.
+    #[inline(always)]
+    fn is_off(&self, t_max: P) -> P::Mask {
+        let depth = self.t.min(t_max - self.t);
+        (depth + self.within).lt(P::splat(0.0))
+    }
+
     /// How far within the edges, ahead of the ray's start and before `t_max` it is, by the least of
     /// the three: at most, and at least. Of a ray along the plane neither is above or below 0.
     #[inline(always)]
-    fn depth(&self, t_max: P) -> [P; 2] {
-        let before = t_max - self.t;
-        let most = (self.inside + self.band).min(self.t + self.within).min(before + self.within);
-        let least = (self.inside - self.band).min(self.t - self.within).min(before - self.within);
-        [most, least]
+    fn depth(&self, inside: P, t_max: P) -> [P; 2] {
+        let (along, Way { within, band, .. }) = (self.t.min(t_max - self.t), *self);
+        [(inside + band).min(along + within), (inside - band).min(along - within)]
     }
 }
 
 impl Plate {
     #[inline(always)]
-    fn meet<P: Packet>(&self, o: V3<P>, d: V3<P>, [clearance, length]: [P; 2]) -> Meeting<P> {
+    fn way<P: Packet>(&self, o: V3<P>, d: V3<P>, clearance: P) -> Way<P> {
         let inverse = dot(self.n, d).recip();
         let t = (P::splat(self.d) - dot(self.n, o)) * inverse;
-        let x = V3::new(d.x.mul_add(t, o.x), d.y.mul_add(t, o.y), d.z.mul_add(t, o.z));
-        let [a, b, c, e] = &self.edges;
-        let ab = across(a, x).min(across(b, x));
-        let ce = across(c, x).min(across(e, x));
-        // By so much in distances, which are in units of the ray's length; across the plane a unit
-        // of distance is that length at most.
-        let roughly = clearance * inverse.abs();
-        let within = roughly * P::splat(self.slenderness);
-        Meeting { x, t, within, inside: ab.min(ce), band: roughly * length }
+        let band = clearance * inverse.abs();
+        Way { t, within: band * P::splat(self.slenderness), band }
+    }
+}
+
+impl Sides {
+    /// How far inside a point of the plane is.
+    #[inline(always)]
+    fn inside<P: Packet>(&self, x: V3<P>) -> P {
+        match self {
+            Sides::Triangle([a, b, c]) => a.across(x).min(b.across(x)).min(c.across(x)),
+            Sides::Parallelogram([a, b]) => a.inside(x).min(b.inside(x)),
+            Sides::Trapezoid(strip, [a, b]) => strip.inside(x).min(a.across(x).min(b.across(x))),
+            Sides::Quadrilateral([a, b, c, e]) => {
+                a.across(x).min(b.across(x)).min(c.across(x).min(e.across(x)))
+            }
+        }
+    }
+}
+
+impl Line {
+    #[inline(always)]
+    fn across<P: Packet>(&self, x: V3<P>) -> P {
+        dot(self.m, x) - P::splat(self.c)
+    }
+}
+
+impl Strip {
+    #[inline(always)]
+    fn inside<P: Packet>(&self, x: V3<P>) -> P {
+        P::splat(self.half) - self.middle.across(x).abs()
     }
 }
 
@@ -315,13 +424,12 @@ fn dot<P: Packet>(n: V3, v: V3<P>) -> P {
     v.z.mul_add(P::splat(n.z), y)
 }
 
+/// What decisions keep clear of, for a ray straight across a plane: roundings are in proportion to
+/// the largest number that took part. Distances along the ray are in units of its length, and that
+/// is taken to be at least 1, so that one bound serves for these and for those across.
 #[inline(always)]
-fn across<P: Packet>((m, c): &(V3, f32), x: V3<P>) -> P {
-    dot(*m, x) - P::splat(*c)
-}
-
-/// Roundings are in proportion to the largest number that took part.
-#[inline(always)]
-fn clearance<P: Packet>(o: V3<P>) -> P {
-    (o.abs().max_component() + P::splat(1.0)) * P::splat(CLEARANCE * ROUNDING)
+fn clearance<P: Packet>(o: V3<P>, d: V3<P>) -> P {
+    let one = P::splat(1.0);
+    let largest = o.abs().max_component() + one;
+    largest * d.length().max(one) * P::splat(CLEARANCE * ROUNDING)
 }

@@ -1,19 +1,19 @@
 //! Which faces of a scene are plates: the largest triangles, joined two by two where they make a
 //! convex quadrilateral.
 
-use super::{MOST, Plate};
+use super::{Line, MOST, Plate, Sides, Strip};
 use crate::geometry::offset::ROUNDING;
 use crate::geometry::{Geometry, Kind};
 use crate::math::V3;
 use glam::DVec3;
 
 /// Scenes of so few triangles are plates altogether.
-const FEW: usize = 96;
+const FEW: usize = 128;
 /// Otherwise triangles of at least this part of half the surface of the scene's box are.
 const LARGE: f64 = 1.0 / 256.0;
 /// A triangle's longest side squared over twice its area is at most this: of slender ones distances
 /// are not known well enough.
-const SLENDER: f64 = 64.0;
+const SLENDER: f64 = 512.0;
 /// Corners of a four-sided plate lie in its plane to within this.
 const FLAT: f64 = 4.0 * ROUNDING as f64;
 
@@ -84,9 +84,31 @@ pub(super) fn narrow(v: DVec3) -> V3 {
 
 /// The line through two points of a plane, `n` its unit normal: inwards where the corners run
 /// counter-clockwise about it.
-fn edge(n: DVec3, a: DVec3, b: DVec3) -> (V3, f32) {
+fn edge(n: DVec3, a: DVec3, b: DVec3) -> Line {
     let m = n.cross(b - a).normalize();
-    (narrow(m), m.dot(a) as f32)
+    Line { m: narrow(m), c: m.dot(a) as f32 }
+}
+
+/// The strip between two edges, if they are parallel.
+fn strip(n: DVec3, [a, b]: [DVec3; 2], far: [DVec3; 2]) -> Option<Strip> {
+    let m = n.cross(b - a).normalize();
+    let [near, other] = [[a, b], far].map(|ends| ends.map(|p| m.dot(p)));
+    let (c, width) = (near[0], 0.5 * (other[0] + other[1]) - near[0]);
+    let parallel = other.iter().all(|x| (x - c - width).abs() <= FLAT);
+    let middle = Line { m: narrow(m), c: (c + 0.5 * width) as f32 };
+    parallel.then_some(Strip { middle, half: (0.5 * width) as f32 })
+}
+
+/// The edges between corners that run counter-clockwise about `n`.
+fn sides(n: DVec3, [a, b, c, e]: [DVec3; 4]) -> Sides {
+    match (strip(n, [a, b], [c, e]), strip(n, [b, c], [e, a])) {
+        (Some(one), Some(other)) => Sides::Parallelogram([one, other]),
+        (Some(one), None) => Sides::Trapezoid(one, [edge(n, b, c), edge(n, e, a)]),
+        (None, Some(one)) => Sides::Trapezoid(one, [edge(n, a, b), edge(n, c, e)]),
+        (None, None) => {
+            Sides::Quadrilateral([edge(n, a, b), edge(n, b, c), edge(n, c, e), edge(n, e, a)])
+        }
+    }
 }
 
 fn plane(corners: &[DVec3], normal: DVec3) -> (DVec3, f64) {
@@ -97,13 +119,11 @@ fn plane(corners: &[DVec3], normal: DVec3) -> (DVec3, f64) {
 fn alone(candidate: &Candidate) -> Plate {
     let [a, b, c] = candidate.corners;
     let (n, d) = plane(&candidate.corners, candidate.normal);
-    let last = edge(n, c, a);
     Plate {
         n: narrow(n),
         d: d as f32,
-        edges: [edge(n, a, b), edge(n, b, c), last, last],
-        // Every point is on the near side of it.
-        diagonal: (V3::default(), 1e30),
+        sides: Sides::Triangle([edge(n, a, b), edge(n, b, c), edge(n, c, a)]),
+        diagonal: None,
         triangles: [candidate.triangle; 2],
         slenderness: candidate.slenderness as f32,
     }
@@ -130,12 +150,12 @@ fn quad(first: &Candidate, second: &Candidate) -> Option<Plate> {
     if !flat || !convex {
         return None;
     }
-    let (m, c0) = edge(n, b, e);
+    let Line { m, c: across } = edge(n, b, e);
     Some(Plate {
         n: narrow(n),
         d: d as f32,
-        edges: [edge(n, a, b), edge(n, b, c), edge(n, c, e), edge(n, e, a)],
-        diagonal: (-m, -c0),
+        sides: sides(n, corners),
+        diagonal: Some(Line { m: -m, c: -across }),
         triangles: [first.triangle, second.triangle],
         slenderness: first.slenderness.max(second.slenderness) as f32,
     })
