@@ -6,6 +6,7 @@ use crate::brdf::{Microfacet, ModelVisitor};
 use crate::film::{ErrorSums, Film};
 use crate::math::Rgb;
 use crate::trace::{Deal, Group, Hand, Scratch, Tracer};
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
@@ -82,13 +83,15 @@ impl Epoch {
         self.params.model.visit(TraceHand { tracer, hand: &hand, pass, block, scratch, put });
     }
 
-    /// Adds the samples of some passes to a tile's film.
-    pub(super) fn add(&self, index: usize, film: &mut Film, canvas: &Canvas, passes: usize) {
+    /// Adds the samples of those of the canvas's passes that a tile's film does not have: after an
+    /// interruption it may have some.
+    pub(super) fn add(&self, index: usize, film: &mut Film, canvas: &Canvas, passes: Range<u64>) {
         let rect = self.grid.rect(index);
-        let mut nonfinite = 0;
-        for pass in 0..passes {
+        let (mut paths, mut nonfinite) = (0, 0);
+        for pass in film.passes().max(passes.start)..passes.end {
             film.begin_pass();
-            for (pixel, sample) in canvas.tile(pass, rect).enumerate() {
+            let which = (pass - passes.start) as usize;
+            for (pixel, sample) in canvas.tile(which, rect).enumerate() {
                 if sample.is_finite() {
                     film.add(pixel, sample);
                 } else {
@@ -96,8 +99,8 @@ impl Epoch {
                 }
             }
             film.end_pass();
+            paths += rect.area() as u64;
         }
-        let paths = rect.area() as u64 * passes as u64;
         self.count(Counts { paths, nonfinite, ..Counts::default() });
     }
 

@@ -94,15 +94,7 @@ impl Session {
     ) -> Result<Session, ParamsError> {
         params.check()?;
         let (sender, snapshots) = bounded(1);
-        let shared = Arc::new(Shared {
-            wanted: Mutex::new(params),
-            changed: Condvar::new(),
-            epoch: AtomicU64::new(1),
-            limit: AtomicU64::new(limit.clamp(1, Self::MAX_PASSES)),
-            paused: AtomicBool::new(false),
-            stopped: AtomicBool::new(false),
-            interval: AtomicU64::new(millis(options.interval)),
-        });
+        let shared = Arc::new(Shared::new(params, limit, options.interval));
         let outlet = super::outlet::Outlet::new(sender, snapshots.clone(), Box::new(notify));
         let workers = Workers::new(options, shared.clone(), outlet)?;
         let failed = |e: std::io::Error| ParamsError::Threads { threads: 1, reason: e.to_string() };
@@ -143,12 +135,12 @@ impl Session {
 
     /// Stops after the tiles being traced; nothing is lost.
     pub fn pause(&self) {
-        self.shared.tell(|shared| shared.paused.store(true, Ordering::Release));
+        self.shared.pause(true);
     }
 
     /// Goes on.
     pub fn resume(&self) {
-        self.shared.tell(|shared| shared.paused.store(false, Ordering::Release));
+        self.shared.pause(false);
     }
 
     /// From now on, the shortest time between two snapshots, to whole milliseconds; those at a change
@@ -183,6 +175,22 @@ impl Drop for Session {
 }
 
 impl Shared {
+    pub(super) fn new(params: Params, limit: u64, interval: Duration) -> Shared {
+        Shared {
+            wanted: Mutex::new(params),
+            changed: Condvar::new(),
+            epoch: AtomicU64::new(1),
+            limit: AtomicU64::new(limit.clamp(1, Session::MAX_PASSES)),
+            paused: AtomicBool::new(false),
+            stopped: AtomicBool::new(false),
+            interval: AtomicU64::new(millis(interval)),
+        }
+    }
+
+    pub(super) fn pause(&self, paused: bool) {
+        self.tell(|shared| shared.paused.store(paused, Ordering::Release));
+    }
+
     fn lock(&self) -> MutexGuard<'_, Params> {
         self.wanted.lock().unwrap_or_else(PoisonError::into_inner)
     }

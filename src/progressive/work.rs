@@ -1,5 +1,8 @@
 //! What the workers do: coarse blocks, then pass after pass over the tiles.
 
+#[cfg(test)]
+mod tests;
+
 use super::canvas::Canvas;
 use super::epoch::{Epoch, failure};
 use super::outlet::Outlet;
@@ -170,7 +173,7 @@ impl Workers {
         canvas.prepare(size, deals.len());
         let columns = epoch.grid.columns_rows()[0] as usize;
         let rows = films.len() / columns;
-        // Rows of tiles that had this pass before an interruption are not traced again.
+        // Rows of tiles that had all of these before an interruption are not traced again.
         let have = |films: &[Film], row: usize| {
             films[row * columns..][..columns].iter().all(|film| film.passes() >= passes.end)
         };
@@ -189,7 +192,7 @@ impl Workers {
             self.pool.install(|| {
                 films.par_iter_mut().enumerate().for_each(|(i, film)| {
                     let index = row * columns + i;
-                    epoch.add(index, film, canvas, deals.len());
+                    epoch.add(index, film, canvas, passes.clone());
                     if due {
                         epoch.show_if_new(index, film);
                         self.show_now_and_then(epoch);
