@@ -57,7 +57,7 @@ impl Options {
 }
 
 /// What the handle tells the workers. The counters are written under the lock of `wanted`, and
-/// read without it once a tile.
+/// read without it once a bundle of paths.
 #[derive(Debug)]
 pub(super) struct Shared {
     wanted: Mutex<Params>,
@@ -106,7 +106,7 @@ impl Session {
     }
 
     /// Renders these from now on. Returns the epoch that their snapshots will carry; it is the
-    /// present one when nothing changed. Takes effect within one tile.
+    /// present one when nothing changed. Takes effect within one bundle of paths.
     pub fn set(&self, params: Params) -> Result<u64, ParamsError> {
         params.check()?;
         let mut wanted = self.shared.lock();
@@ -133,7 +133,8 @@ impl Session {
         self.shared.tell(|shared| shared.limit.store(passes, Ordering::Release));
     }
 
-    /// Stops after the tiles being traced; nothing is lost.
+    /// Stops after the bundles of paths being traced. The sums stay what they are; of what is not yet
+    /// in them, about a twentieth of a second of work, some is traced again.
     pub fn pause(&self) {
         self.shared.pause(true);
     }
@@ -220,7 +221,7 @@ impl Shared {
         self.limit.load(Ordering::Acquire)
     }
 
-    /// Whether tiles of this epoch may still be traced.
+    /// Whether paths of this epoch may still be traced.
     pub(super) fn goes_on(&self, epoch: u64) -> bool {
         self.epoch.load(Ordering::Acquire) == epoch
             && !self.paused.load(Ordering::Acquire)
