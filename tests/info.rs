@@ -127,6 +127,60 @@ fn the_command_in_a_recipe_makes_the_same_picture_again() {
     }
 }
 
+/// With the arguments of a picture's recipe, whichever file it is from, `burnish pixel` finds what
+/// the picture has, to the digits that it prints.
+#[test]
+fn the_arguments_in_a_recipe_replay_its_pixels() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("two balls.scn"), SCENE).unwrap();
+    for options in [
+        "--model beckmann --alpha 0.3 --seed 18446744073709551615",
+        "--model phong --exponent 200 --max-depth 3 --group 64 --size 31x17",
+        "--normals distribution --exponent 3 --seed 4",
+        "--strategy light --no-reuse",
+        "--strategy bsdf --erratum below-horizon --size 20x30",
+        "--erratum phong-exponent --group 32",
+        "--reference --seed 7",
+        "--isa portable",
+    ] {
+        let more: Vec<&str> =
+            options.split(' ').chain(["--camera", "1 -7 2 0.31 z 9 x 78"]).collect();
+        let render = ["render", "two balls.scn", "--passes", "1", "-o", "one.exr", "-o", "one.png"];
+        must(&folder, &[&render[..], &["--exposure", "-1.5", "--tone", "filmic"], &more].concat());
+        let picture = read_exr(&folder.path().join("one.exr")).unwrap();
+        for kind in ["exr", "png"] {
+            let text = must(&folder, &["info", &format!("one.{kind}")]);
+            let again = text.lines().find_map(|line| line.strip_prefix("again ")).unwrap();
+            let words = shell_words(again);
+            assert_eq!(
+                words[..5],
+                ["burnish", "render", "two balls.scn", "-o", &format!("again.{kind}")]
+            );
+            let arguments: Vec<&str> = words[5..].iter().map(String::as_str).collect();
+            for [x, y] in [[0, 0], [13, 11], [8, 16]] {
+                let place = [x, y].map(|place: usize| place.to_string());
+                let pixel = ["pixel", "two balls.scn", &place[0], &place[1], "0"];
+                let text = must(&folder, &[&pixel[..], &arguments].concat());
+                let line = text.lines().find(|line| line.ends_with("<- asked for")).unwrap();
+                let cells: Vec<f64> =
+                    line.split_whitespace().map_while(|c| c.parse().ok()).collect();
+                assert_eq!(cells[..2], [x as f64, y as f64], "{line}");
+                let exact = picture.pixels[y * picture.width as usize + x].map(f64::from);
+                for (shown, exact) in cells[2..5].iter().zip(exact) {
+                    assert!(
+                        (shown - exact).abs() <= 5e-7 * exact,
+                        "{options}: {line}, not {exact}"
+                    );
+                }
+            }
+        }
+    }
+    let beyond = ["pixel", "two balls.scn", "0", "0", "1", "--passes", "1"];
+    let output = run(&folder, &beyond);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(2) && error.contains("no pass 1 of 1"), "{error}");
+}
+
 #[test]
 fn edited_materials_come_back_by_way_of_the_scene() {
     let folder = tempfile::tempdir().unwrap();

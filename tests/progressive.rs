@@ -92,6 +92,36 @@ fn a_pause_stops_the_work_and_loses_nothing() {
     }
 }
 
+/// Wherever it is stopped, by a pause or by its limit, and however often.
+#[test]
+fn many_stops_leave_no_trace() {
+    const PASSES: u64 = 40;
+    let params = Params { size: [120, 200], ..Params::new(small_room()) };
+    let plain = render(params.clone(), PASSES, 2).unwrap();
+    let options = Options { threads: 2, preview: true, interval: Duration::ZERO };
+    let session = Session::with_options(params, 1, options, || {}).unwrap();
+    let mut stops = 0;
+    let end = loop {
+        let seen = session.snapshots().recv().unwrap();
+        if seen.state == State::Done {
+            if seen.passes == PASSES {
+                break seen;
+            }
+            session.set_limit((seen.passes + 1 + stops % 7).min(PASSES));
+        } else if stops < 30 {
+            session.pause();
+            let stopped = |s: &Snapshot| s.state != State::Running;
+            let stopped = session.snapshots().iter().find(stopped).unwrap();
+            session.set_limit((stopped.passes + 1 + stops % 7).min(PASSES));
+            session.resume();
+            stops += 1;
+        }
+    };
+    assert!(end.mean() == plain.mean() && end.standard_error() == plain.standard_error());
+    assert_eq!(end.counts.paths, plain.counts.paths);
+    assert_eq!((end.counts.paths, stops > 1), (120 * 200 * PASSES, true));
+}
+
 #[test]
 fn snapshots_are_of_one_epoch_and_name_what_changed() {
     let base = Params::new(small_room());
@@ -234,7 +264,11 @@ fn the_time_between_snapshots_can_be_changed_while_it_runs() {
     let tiles = params.size.map(|s| s.div_ceil(burnish::progressive::TILE)).iter().product::<u32>();
     let session = Session::with_options(params, 8, options, notify).unwrap();
     finished(&session, 1);
-    // The first whole pass and the end, whatever the interval.
+    // The first whole pass and the end, whatever the interval. A snapshot is there before it is told.
+    let start = Instant::now();
+    while told.load(Ordering::SeqCst) < 2 && start.elapsed() < Duration::from_secs(60) {
+        std::thread::yield_now();
+    }
     assert_eq!(told.swap(0, Ordering::SeqCst), 2);
     session.set_interval(Duration::ZERO);
     session.set_limit(12);

@@ -16,6 +16,7 @@ mod progress;
 mod render;
 mod report;
 mod scene;
+mod settings;
 mod snapshots;
 mod stats;
 mod talk;
@@ -58,7 +59,7 @@ enum Command {
     Compare(compare::Args),
     Completions(completions::Args),
     Info(info::Args),
-    Pixel(pixel::Args),
+    Pixel(Box<pixel::Args>),
     Render(Box<render::Args>),
     Report(report::Args),
 }

@@ -1,16 +1,17 @@
 //! `burnish pixel`: one sample of one pixel again.
 
 use super::figures::significant;
-use super::{Failure, print, scene, values};
-use burnish::brdf::{Model, Roughness};
-use burnish::math::lanes::Isa;
-use burnish::progressive::{Params, Replay};
-use burnish::scene::Camera;
+use super::settings::{Settings, warn};
+use super::{Failure, misused, print, scene, values};
+use burnish::brdf::Model;
+use burnish::picture::Curve;
+use burnish::progressive::{Replay, Session};
 use burnish::trace::Group;
 use std::path::PathBuf;
 
 /// Traces one sample of one pixel again, with the neighbours that it shares with, and prints what
-/// each of them finds: the same bits as in a picture rendered with the same options.
+/// each of them finds: the same bits as in a picture rendered with the same options, such as
+/// `burnish info` gives for it.
 #[derive(Debug, clap::Args)]
 #[command(allow_negative_numbers = true)]
 #[command(after_help = "Examples:
@@ -28,38 +29,29 @@ pub(super) struct Args {
     /// Which BRDF.
     #[arg(long, value_name = "MODEL", default_value = "ggx", value_parser = values::model())]
     model: Model,
-    /// Roughness alpha of every material, 0.0001 to 1.
-    #[arg(long, value_name = "A", value_parser = values::alpha)]
-    alpha: Option<Roughness>,
-    /// Width and height in pixels instead of the scene's.
-    #[arg(long, value_name = "WxH", value_parser = values::size)]
-    size: Option<[u32; 2]>,
-    /// Camera instead of the scene's: the text after `camera` in a .scn file.
-    #[arg(long, value_name = "x y z ry ORIENT", allow_hyphen_values = true,
-          value_parser = scene::camera)]
-    camera: Option<Camera>,
-    /// The picture's seed.
-    #[arg(long, value_name = "K", default_value_t = 0)]
-    seed: u64,
-    /// Most scattering events between camera and light.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    max_depth: Option<u32>,
-    /// Every path for itself.
-    #[arg(long)]
-    no_reuse: bool,
-    /// So many neighbours share, instead of as many as a pilot finds best.
-    #[arg(long, value_name = "N", value_parser = values::group(), conflicts_with = "no_reuse")]
-    group: Option<Group>,
-    /// Instruction set to trace with instead of the widest.
-    #[arg(long, value_name = "SET", value_parser = values::isa())]
-    isa: Option<Isa>,
+    /// Passes of the picture: the one asked for has to be among them.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=Session::MAX_PASSES))]
+    passes: Option<u64>,
+    #[command(flatten)]
+    settings: Settings,
+    // Radiance does not depend on them, as an EXR file does not: they are among the arguments that
+    // `burnish info` gives for a PNG file.
+    #[arg(long, hide = true, value_parser = values::exposure)]
+    exposure: Option<f32>,
+    #[arg(long, hide = true, value_parser = values::curve())]
+    tone: Option<Curve>,
 }
 
 /// Traces and prints.
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let loaded = scene::load_for(Some(&args.scene), args.isa)?;
-    let params = args.params(Params::new(loaded.scene.clone()));
+    if let Some(passes) = args.passes.filter(|&passes| args.pass >= passes) {
+        let pass = args.pass;
+        misused(format_args!("there is no pass {pass} of {passes}: passes are counted from 0"));
+    }
+    let loaded = scene::load_for(Some(&args.scene), args.settings.isa)?;
+    let params = args.settings.params(&loaded.scene, args.model);
     params.check().map_err(Failure::new)?;
+    warn(&params);
     let [width, height] = params.size;
     let Some(replay) = Replay::new(&params, [args.x, args.y], args.pass) else {
         return Err(Failure::new(format_args!(
@@ -91,19 +83,4 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         print(format_args!("{x:>7} {y:>6}  {}  {}  {mark}", light[0], light[1]))?;
     }
     Ok(())
-}
-
-impl Args {
-    fn params(&self, mut params: Params) -> Params {
-        params.model = self.model;
-        params.seed = self.seed;
-        params.max_depth = self.max_depth;
-        params.size = self.size.unwrap_or(params.size);
-        params.camera = self.camera.unwrap_or(params.camera);
-        params.group = if self.no_reuse { Some(Group::None) } else { self.group };
-        match self.alpha {
-            Some(roughness) => params.with_roughness(roughness),
-            None => params,
-        }
-    }
 }

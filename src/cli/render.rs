@@ -3,20 +3,17 @@
 use super::jobs::{Job, jobs};
 use super::progress::{self, Goal, Progress};
 use super::scene::{self, Loaded};
+use super::settings::{Settings, warn};
 use super::snapshots::next;
 use super::stats::{self, Stats};
 use super::talk::{detail, note, say, warning};
 use super::values::{self, Chosen};
 use super::{Failure, interrupt, misused};
-use burnish::brdf::{Erratum, Model, Normals, Roughness};
-use burnish::math::lanes::Isa;
+use burnish::brdf::{Erratum, Model};
 use burnish::measure::energy::remarks;
 use burnish::picture::{Curve, Picture, Tone, check_writable};
-use burnish::progressive::{Options, Params, Recipe, Session, Snapshot, State, StopRule, Strategy};
-use burnish::scene::{Camera, Scene};
-use burnish::trace::Group;
+use burnish::progressive::{Options, Params, Recipe, Session, Snapshot, State, StopRule};
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Renders a picture without a window.
@@ -44,14 +41,6 @@ pub(super) struct Args {
     #[arg(long = "model", value_name = "MODELS", default_value = "ggx",
           value_parser = values::chosen(Model::ALL, Model::name))]
     models: Chosen<Model>,
-    /// Roughness alpha of every material, 0.0001 to 1. Without it and --exponent each material
-    /// keeps its own.
-    #[arg(long, value_name = "A", value_parser = values::alpha)]
-    alpha: Option<Roughness>,
-    /// Phong exponent a_p of every material, 0 to 199999998; alpha = sqrt(2 / (a_p + 2)).
-    #[arg(long, value_name = "N", conflicts_with = "alpha",
-          value_parser = values::exponent)]
-    exponent: Option<Roughness>,
     /// Samples a pixel.
     #[arg(long, value_name = "N", default_value_t = 64,
           value_parser = clap::value_parser!(u64).range(1..=Session::MAX_PASSES))]
@@ -66,49 +55,11 @@ pub(super) struct Args {
     /// --time, whichever comes first.
     #[arg(long, value_name = "E", conflicts_with = "passes", value_parser = values::error)]
     error: Option<f64>,
-    /// Width and height in pixels instead of the scene's.
-    #[arg(long, value_name = "WxH", value_parser = values::size)]
-    size: Option<[u32; 2]>,
-    /// Camera instead of the scene's: the text after `camera` in a .scn file.
-    #[arg(long, value_name = "x y z ry ORIENT", allow_hyphen_values = true,
-          value_parser = scene::camera)]
-    camera: Option<Camera>,
-    /// Picks one of 2^64 independent pictures.
-    #[arg(long, value_name = "K", default_value_t = 0)]
-    seed: u64,
+    #[command(flatten)]
+    settings: Settings,
     /// Worker threads; 0 is one a core. The picture does not depend on it.
     #[arg(long, value_name = "T", default_value_t = 0, value_parser = values::threads())]
     threads: usize,
-    /// Instruction set to trace with, of those that this machine has, instead of the widest. AVX2
-    /// and AVX-512 give the same bits, the portable set others within rounding.
-    #[arg(long, value_name = "SET", value_parser = values::isa())]
-    isa: Option<Isa>,
-    /// Most scattering events between camera and light. Without it paths end by Russian roulette.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    max_depth: Option<u32>,
-    /// How light is found: by asking lights, by meeting them with directions drawn from the BRDF, or
-    /// by both, weighed against each other. All have the same mean.
-    #[arg(long, default_value = "mis", value_parser = values::strategy())]
-    strategy: Strategy,
-    /// Which microfacet normals Beckmann and GGX draw: those that the viewer sees, or all that there
-    /// are, as the distribution has them. Phong always draws from all.
-    #[arg(long, default_value = "visible", value_parser = values::normals())]
-    normals: Normals,
-    /// Makes one mistake of the report or the program that burnish grew from, to see what it does:
-    /// the picture is wrong on purpose. `burnish report --errata` measures them all.
-    #[arg(long, value_name = "NAME", value_parser = values::erratum())]
-    erratum: Option<Erratum>,
-    /// Traces one path at a time with the tracer that is written to be read, not with the engine. The
-    /// random numbers are the same; other strategies, normals and errata are always traced so.
-    #[arg(long)]
-    reference: bool,
-    /// Every path for itself. Otherwise neighbouring pixels share the points that their paths meet
-    /// second, which leaves a tenth of the variance in most scenes and is exactly unbiased.
-    #[arg(long)]
-    no_reuse: bool,
-    /// So many neighbours share, instead of as many as a pilot finds best for the scene.
-    #[arg(long, value_name = "N", value_parser = values::group(), conflicts_with = "no_reuse")]
-    group: Option<Group>,
     /// Exposure of PNG files in stops, -30 to 30.
     #[arg(long, value_name = "EV", default_value = "0",
           value_parser = values::exposure)]
@@ -133,7 +84,7 @@ pub(super) fn run(args: &Args, mut started: Instant) -> Result<(), Failure> {
     interrupt::listen()?;
     let mut done = 0;
     for jobs_of_scene in jobs.chunk_by(|a, b| a.scene == b.scene) {
-        let loaded = scene::load_for(jobs_of_scene[0].scene.as_deref(), args.isa)?;
+        let loaded = scene::load_for(jobs_of_scene[0].scene.as_deref(), args.settings.isa)?;
         for job in jobs_of_scene {
             done += 1;
             if jobs.len() > 1 {
@@ -152,10 +103,8 @@ pub(super) fn run(args: &Args, mut started: Instant) -> Result<(), Failure> {
 
 /// Renders one and writes it; returns whether Ctrl-C ended it.
 fn render(args: &Args, job: &Job, loaded: &Loaded, started: Instant) -> Result<bool, Failure> {
-    if let Some(erratum) = args.erratum {
-        warn(erratum, job.model);
-    }
-    let params = args.params(&loaded.scene, job.model);
+    let params = args.settings.params(&loaded.scene, job.model);
+    warn(&params);
     energy(&params);
     detail(describe(&params, args.threads));
     let traced = trace(args, params.clone(), started)?;
@@ -171,7 +120,7 @@ fn render(args: &Args, job: &Job, loaded: &Loaded, started: Instant) -> Result<b
         detail(format_args!("written: {}", path.display()));
     }
     if let Some(path) = &job.stats {
-        stats(args, job.model, loaded, &traced, &picture).write(path)?;
+        stats(&params, args.threads, loaded, &traced, &picture).write(path)?;
     }
     Ok(traced.interrupted)
 }
@@ -201,24 +150,6 @@ fn energy(params: &Params) {
 }
 
 impl Args {
-    fn params(&self, scene: &Arc<Scene>, model: Model) -> Params {
-        let mut params = Params::new(scene.clone());
-        params.model = model;
-        params.seed = self.seed;
-        params.max_depth = self.max_depth;
-        params.strategy = self.strategy;
-        params.normals = self.normals;
-        params.erratum = self.erratum;
-        params.reference = self.reference;
-        params.group = if self.no_reuse { Some(Group::None) } else { self.group };
-        params.size = self.size.unwrap_or(params.size);
-        params.camera = self.camera.unwrap_or(params.camera);
-        match self.alpha.or(self.exponent) {
-            Some(roughness) => params.with_roughness(roughness),
-            None => params,
-        }
-    }
-
     fn goal(&self) -> Goal {
         match (self.error, self.time) {
             (Some(wanted), _) => Goal::Error(StopRule { wanted }),
@@ -285,7 +216,13 @@ fn trace(args: &Args, params: Params, started: Instant) -> Result<Traced, Failur
     }
 }
 
-fn stats(args: &Args, model: Model, loaded: &Loaded, traced: &Traced, picture: &Picture) -> Stats {
+fn stats(
+    params: &Params,
+    threads: usize,
+    loaded: &Loaded,
+    traced: &Traced,
+    picture: &Picture,
+) -> Stats {
     let Traced { snapshot, first_image, .. } = traced;
     Stats {
         load_s: loaded.load_s,
@@ -304,30 +241,17 @@ fn stats(args: &Args, model: Model, loaded: &Loaded, traced: &Traced, picture: &
         mean: stats::mean(picture),
         nonfinite: snapshot.counts.nonfinite,
         capped: snapshot.counts.capped,
-        model: model.name(),
-        strategy: args.strategy.name(),
-        normals: args.normals.name(),
-        erratum: args.erratum.map(Erratum::name),
-        seed: args.seed,
+        model: params.model.name(),
+        strategy: params.strategy.name(),
+        normals: params.normals.name(),
+        erratum: params.erratum.map(Erratum::name),
+        seed: params.seed,
         group: snapshot.group.paths(),
         isa: loaded.scene.bvh().isa().name(),
         version: env!("CARGO_PKG_VERSION"),
         width: picture.width,
         height: picture.height,
-        threads: values::worker_count(args.threads),
-    }
-}
-
-/// Says which mistake is being made, or that it is none with this model.
-fn warn(erratum: Erratum, model: Model) {
-    match erratum.model() {
-        Some(other) if other != model => note(format_args!(
-            "{} is about {} and has no effect on {}",
-            erratum.name(),
-            other.title(),
-            model.title()
-        )),
-        _ => warning(format_args!("this picture is wrong on purpose: {erratum}")),
+        threads: values::worker_count(threads),
     }
 }
 

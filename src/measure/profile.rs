@@ -2,7 +2,7 @@
 
 use crate::brdf::{Microfacet, ModelVisitor};
 use crate::math::lanes::Isa;
-use crate::progressive::{Params, Replay};
+use crate::progressive::Params;
 use crate::trace::{Deal, Effort, Group, Hand, Scratch, Stage, Tracer};
 use std::time::{Duration, Instant};
 
@@ -38,7 +38,7 @@ impl Profile {
     /// Of so many passes with these parameters; `None` where the engine does not trace them.
     pub fn new(params: &Params, passes: u64) -> Option<Profile> {
         let tracer = params.tracer();
-        let group = Replay::new(params, [0, 0], 0)?.group;
+        let group = params.decide_group().ok()?;
         let width = match params.scene.bvh().isa() {
             Isa::Portable => 1,
             Isa::Avx2 => 8,

@@ -1,13 +1,14 @@
 //! One epoch: what the workers share while the parameters stay the same, and what they show.
 
 use super::canvas::Canvas;
-use super::{Counts, Params, Snapshot, State, TileGrid, TileImage};
-use crate::brdf::{Microfacet, ModelVisitor};
+use super::trace::trace;
+use super::{Counts, Params, Snapshot, State, TileGrid, TileImage, pilot};
 use crate::film::{ErrorSums, Film};
 use crate::math::Rgb;
 use crate::trace::{Deal, Group, Hand, Scratch, Tracer};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Everything of one epoch that workers share. A new epoch gets a new one, so nothing of an old
@@ -19,9 +20,9 @@ pub(super) struct Epoch {
     /// Once it is decided.
     pub(super) group: OnceLock<Group>,
     pub(super) grid: TileGrid,
-    /// One a worker.
-    pub(super) scratch: Vec<Mutex<Scratch>>,
-    shown: Vec<Shown>,
+    /// By worker.
+    pub(super) own: Vec<Mutex<Own>>,
+    shown: Vec<Mutex<Shown>>,
     counts: [AtomicU64; 4],
     /// Tracing time before the present run, in nanoseconds.
     earlier: AtomicU64,
@@ -29,10 +30,25 @@ pub(super) struct Epoch {
     pub(super) last_snapshot: Mutex<Instant>,
 }
 
+/// What is a worker's own.
+pub(super) struct Own {
+    pub(super) scratch: Scratch,
+    /// The pixels that it traces.
+    pub(super) hand: Hand,
+}
+
+/// What there is to see of a tile.
 #[derive(Default)]
 struct Shown {
-    image: Mutex<Option<(Arc<TileImage>, ErrorSums)>>,
-    dirty: AtomicBool,
+    image: Option<(Arc<TileImage>, ErrorSums)>,
+    /// Whether no snapshot has it yet.
+    dirty: bool,
+}
+
+impl Shown {
+    fn passes(&self) -> u64 {
+        self.image.as_ref().map_or(0, |(image, _)| image.passes)
+    }
 }
 
 impl Epoch {
@@ -40,24 +56,17 @@ impl Epoch {
         let grid = TileGrid { size: params.size };
         let tracer = params.tracer();
         let mut shown = Vec::new();
-        shown.resize_with(grid.len(), Shown::default);
-        let scratch = (0..threads.max(1)).map(|_| Mutex::new(tracer.scratch())).collect();
-        let group = OnceLock::new();
-        let known = match params.group {
-            _ if !tracer.shares(params.model) => Some(Group::None),
-            given @ Some(_) => given,
-            None => None,
-        };
-        if let Some(known) = known {
-            let _ = group.set(known);
-        }
+        shown.resize_with(grid.len(), Mutex::default);
+        let own = || Own { scratch: tracer.scratch(), hand: Hand::default() };
+        let own = (0..threads.max(1)).map(|_| Mutex::new(own())).collect();
+        let group = pilot::without(&params, &tracer).map_or_else(OnceLock::new, OnceLock::from);
         Epoch {
             number,
             params,
             tracer,
             group,
             grid,
-            scratch,
+            own,
             shown,
             counts: Default::default(),
             earlier: AtomicU64::new(0),
@@ -73,22 +82,23 @@ impl Epoch {
         at: [u32; 2],
         pass: u64,
         block: u32,
-        scratch: &mut Scratch,
-        put: &(dyn Fn([u32; 2], Rgb) + Sync),
+        own: &mut Own,
+        put: &mut dyn FnMut([u32; 2], Rgb),
     ) {
-        let mut hand = Hand::default();
-        deal.bundle(at, &mut hand);
-        let tracer = &self.tracer;
-        self.params.model.visit(TraceHand { tracer, hand: &hand, pass, block, scratch, put });
+        let Own { scratch, hand } = own;
+        deal.bundle(at, hand);
+        trace(&self.params, &self.tracer, hand, pass, block, scratch, put);
     }
 
-    /// Adds the samples of some passes to a tile's film.
-    pub(super) fn add(&self, index: usize, film: &mut Film, canvas: &Canvas, passes: usize) {
+    /// Adds the samples of those of the canvas's passes that a tile's film does not have: after an
+    /// interruption it may have some.
+    pub(super) fn add(&self, index: usize, film: &mut Film, canvas: &Canvas, passes: Range<u64>) {
         let rect = self.grid.rect(index);
-        let mut nonfinite = 0;
-        for pass in 0..passes {
+        let (mut paths, mut nonfinite) = (0, 0);
+        for pass in film.passes().max(passes.start)..passes.end {
             film.begin_pass();
-            for (pixel, sample) in canvas.tile(pass, rect).enumerate() {
+            let which = (pass - passes.start) as usize;
+            for (pixel, sample) in canvas.tile(which, rect).enumerate() {
                 if sample.is_finite() {
                     film.add(pixel, sample);
                 } else {
@@ -96,17 +106,14 @@ impl Epoch {
                 }
             }
             film.end_pass();
+            paths += rect.area() as u64;
         }
-        let paths = rect.area() as u64 * passes as u64;
         self.count(Counts { paths, nonfinite, ..Counts::default() });
     }
 
     /// Shows what a film has if it is more than what is shown.
     pub(super) fn show_if_new(&self, index: usize, film: &Film) {
-        let shown = self.shown[index].image.lock().unwrap_or_else(PoisonError::into_inner);
-        let passes = shown.as_ref().map_or(0, |(image, _)| image.passes);
-        drop(shown);
-        if film.passes() == passes {
+        if film.passes() == self.shown(index).passes() {
             return;
         }
         let estimate = film.estimate(self.grid.rect(index).width());
@@ -142,9 +149,12 @@ impl Epoch {
     }
 
     fn show(&self, index: usize, image: TileImage, sums: ErrorSums) {
-        let shown = &self.shown[index];
-        *shown.image.lock().unwrap_or_else(PoisonError::into_inner) = Some((Arc::new(image), sums));
-        shown.dirty.store(true, Ordering::Release);
+        // Image and flag at once: a snapshot is to name all in it that is new.
+        *self.shown(index) = Shown { image: Some((Arc::new(image), sums)), dirty: true };
+    }
+
+    fn shown(&self, index: usize) -> MutexGuard<'_, Shown> {
+        self.shown[index].lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     pub(super) fn count(&self, c: Counts) {
@@ -168,27 +178,22 @@ impl Epoch {
     }
 
     pub(super) fn passes_shown(&self) -> u64 {
-        let passes = |s: &Shown| match &*s.image.lock().unwrap_or_else(PoisonError::into_inner) {
-            Some((image, _)) => image.passes,
-            None => 0,
-        };
-        self.shown.iter().map(passes).min().unwrap_or(0)
+        (0..self.shown.len()).map(|index| self.shown(index).passes()).min().unwrap_or(0)
     }
 
     pub(super) fn snapshot(&self, state: State, passes: u64) -> Snapshot {
         let mut dirty = Vec::new();
         let mut tiles = Vec::with_capacity(self.shown.len());
         let mut sums = ErrorSums::default();
-        for (index, shown) in self.shown.iter().enumerate() {
-            // The flag first: an image shown in between is then sent twice rather than never.
-            if shown.dirty.swap(false, Ordering::AcqRel) {
+        for index in 0..self.shown.len() {
+            let mut shown = self.shown(index);
+            if std::mem::take(&mut shown.dirty) {
                 dirty.push(index as u32);
             }
-            let image = shown.image.lock().unwrap_or_else(PoisonError::into_inner).clone();
-            if let Some((_, tile)) = &image {
+            if let Some((_, tile)) = &shown.image {
                 sums.add(tile);
             }
-            tiles.push(image.map(|(i, _)| i));
+            tiles.push(shown.image.as_ref().map(|(image, _)| image.clone()));
         }
         let [paths, rays, nonfinite, capped] =
             [0, 1, 2, 3].map(|i: usize| self.counts[i].load(Ordering::Relaxed));
@@ -205,25 +210,6 @@ impl Epoch {
             seconds: self.seconds(),
             state,
         }
-    }
-}
-
-/// One pass of a bundle.
-struct TraceHand<'a> {
-    tracer: &'a Tracer,
-    hand: &'a Hand,
-    pass: u64,
-    block: u32,
-    scratch: &'a mut Scratch,
-    put: &'a (dyn Fn([u32; 2], Rgb) + Sync),
-}
-
-impl ModelVisitor for TraceHand<'_> {
-    type Output = ();
-    fn visit<M: Microfacet>(self) {
-        let TraceHand { tracer, hand, pass, block, scratch, put } = self;
-        tracer
-            .sample_hand::<M>(hand, pass, block, scratch, &mut |pixel, sample| put(pixel, sample));
     }
 }
 

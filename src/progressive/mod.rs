@@ -10,6 +10,7 @@ mod replay;
 mod session;
 mod snapshot;
 mod stop;
+mod trace;
 mod work;
 
 pub use crate::film::{ErrorEstimate, Figure, Interval};

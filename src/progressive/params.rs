@@ -1,5 +1,6 @@
 //! Everything that a picture depends on.
 
+use super::pilot;
 use crate::brdf::{Erratum, Model, Normals, Roughness};
 use crate::math::sequence::REPLICATES;
 use crate::scene::{Camera, Material, Scene};
@@ -124,6 +125,14 @@ impl Params {
             self.max_depth,
             self.method(),
         )
+    }
+
+    /// How many neighbouring paths share in a picture of these: as many as [`Params::group`] says,
+    /// or else as many as a pilot finds best, which takes some milliseconds.
+    pub fn decide_group(&self) -> Result<Group, ParamsError> {
+        self.check()?;
+        let tracer = self.tracer();
+        Ok(pilot::decide(self, &tracer, &mut tracer.scratch()))
     }
 
     /// Whether these can be rendered.

@@ -6,7 +6,7 @@
 //! the decision depends on them, so the picture must not.
 
 use super::Params;
-use crate::brdf::{Microfacet, ModelVisitor};
+use super::trace::samples;
 use crate::film::REL_MSE_FLOOR;
 use crate::math::Rgb;
 use crate::trace::{Deal, Effort, Group, Hand, Part, Scratch, Tracer};
@@ -54,15 +54,22 @@ pub(super) fn tasks() -> Vec<Task> {
     (0..BUNDLES).flat_map(|which| trials().map(move |trial| Task { which, trial })).collect()
 }
 
-/// The size of group for these parameters, which must be such that paths can share.
+/// How many paths share with these parameters, where no pilot is asked.
+pub(super) fn without(params: &Params, tracer: &Tracer) -> Option<Group> {
+    if tracer.shares(params.model) { params.group } else { Some(Group::None) }
+}
+
+/// How many paths share with these parameters.
 pub(super) fn decide(params: &Params, tracer: &Tracer, scratch: &mut Scratch) -> Group {
-    let found = tasks().into_iter().map(|task| task.run(tracer, params, scratch)).collect();
-    choose(found, params.scene.geometry().len())
+    without(params, tracer).unwrap_or_else(|| {
+        let found = tasks().into_iter().map(|task| task.run(params, tracer, scratch)).collect();
+        choose(found, params.scene.geometry().len())
+    })
 }
 
 impl Task {
     /// Does it.
-    pub(super) fn run(self, tracer: &Tracer, params: &Params, scratch: &mut Scratch) -> Found {
+    pub(super) fn run(self, params: &Params, tracer: &Tracer, scratch: &mut Scratch) -> Found {
         let group = match self.trial {
             Trial::Shared(group) => group,
             _ => Group::Sixteen,
@@ -85,7 +92,7 @@ impl Task {
         scratch.effort = Effort::default();
         let samples = (FIRST_PASS..FIRST_PASS + TIMES)
             .map(|pass| {
-                let found = params.model.visit(Once { tracer, hand: &hand, pass, scratch });
+                let found = samples(params, tracer, &hand, pass, scratch);
                 order.iter().map(|&i| found[i]).collect()
             })
             .collect();
@@ -155,22 +162,4 @@ fn spread(samples: &[Vec<Rgb>], means: &[[f64; 3]]) -> f64 {
         }
     }
     all
-}
-
-/// A bundle's samples of one pass.
-struct Once<'a> {
-    tracer: &'a Tracer,
-    hand: &'a Hand,
-    pass: u64,
-    scratch: &'a mut Scratch,
-}
-
-impl ModelVisitor for Once<'_> {
-    type Output = Vec<Rgb>;
-    fn visit<M: Microfacet>(self) -> Vec<Rgb> {
-        let Once { tracer, hand, pass, scratch } = self;
-        let mut found = Vec::with_capacity(hand.pixels.len());
-        tracer.sample_hand::<M>(hand, pass, 1, scratch, &mut |_, sample| found.push(sample));
-        found
-    }
 }

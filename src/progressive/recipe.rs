@@ -5,6 +5,7 @@
 
 use super::{Params, Snapshot};
 use crate::brdf::{Erratum, Roughness};
+use crate::math::lanes::Isa;
 use crate::picture::{Format, Picture, SaveError, Tone, write_with_recipe};
 use crate::scene::write::{Edits, WriteError, edit};
 use crate::scene::{Material, MaterialError, MaterialId, Source, SourceFile};
@@ -260,7 +261,8 @@ impl Recipe {
         width.checked_mul(height).and_then(|n| n.checked_mul(self.passes)) == Some(self.paths)
     }
 
-    /// What to give `burnish render` besides the scene and the file. Changes of materials other
+    /// What to give `burnish render` besides the scene and the file, and `burnish pixel` besides the
+    /// scene and the place. Changes of materials other
     /// than one roughness for all are not among them: those need [`Recipe::scene_text`].
     pub fn arguments(&self) -> Vec<String> {
         let [width, height] = self.size;
@@ -297,6 +299,10 @@ impl Recipe {
         }
         if self.reference {
             all.push("--reference".to_owned());
+        }
+        // The others give the same bits as the widest set of any machine that has one of them.
+        if self.isa == Isa::Portable.name() {
+            all.extend(["--isa".to_owned(), self.isa.clone()]);
         }
         all
     }

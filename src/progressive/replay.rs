@@ -1,9 +1,9 @@
 //! One sample of one pixel, traced again with those that it shared with.
 
+use super::trace::samples;
 use super::{Params, pilot};
-use crate::brdf::{Microfacet, ModelVisitor};
 use crate::math::Rgb;
-use crate::trace::{Deal, Group, Hand, Part, Scratch, Tracer};
+use crate::trace::{Deal, Group, Part};
 
 /// A pixel's sample of a pass, and the group of pixels that it came from.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,15 +38,11 @@ impl Replay {
         }
         let tracer = params.tracer();
         let mut scratch = tracer.scratch();
-        let group = match params.group {
-            _ if !tracer.shares(params.model) => Group::None,
-            Some(group) => group,
-            None => pilot::decide(params, &tracer, &mut scratch),
-        };
+        let group = pilot::decide(params, &tracer, &mut scratch);
         let mut hand = Deal::new(params.size, params.seed, pass, group).group_of([x, y]);
         let mut trace = |part: Part| {
             hand.part = part;
-            params.model.visit(Trace { tracer: &tracer, hand: &hand, pass, scratch: &mut scratch })
+            samples(params, &tracer, &hand, pass, &mut scratch)
         };
         let whole = trace(Part::Whole);
         let shared = match group {
@@ -57,22 +53,5 @@ impl Replay {
             whole.into_iter().zip(shared).map(|(whole, shared)| Sample { whole, shared }).collect();
         let own = hand.pixels.iter().position(|&pixel| pixel == [x, y])?;
         Some(Replay { group, pixels: hand.pixels, samples, own })
-    }
-}
-
-struct Trace<'a> {
-    tracer: &'a Tracer,
-    hand: &'a Hand,
-    pass: u64,
-    scratch: &'a mut Scratch,
-}
-
-impl ModelVisitor for Trace<'_> {
-    type Output = Vec<Rgb>;
-    fn visit<M: Microfacet>(self) -> Vec<Rgb> {
-        let Trace { tracer, hand, pass, scratch } = self;
-        let mut found = Vec::with_capacity(hand.pixels.len());
-        tracer.sample_hand::<M>(hand, pass, 1, scratch, &mut |_, sample| found.push(sample));
-        found
     }
 }

@@ -57,7 +57,7 @@ impl Options {
 }
 
 /// What the handle tells the workers. The counters are written under the lock of `wanted`, and
-/// read without it once a tile.
+/// read without it once a bundle of paths.
 #[derive(Debug)]
 pub(super) struct Shared {
     wanted: Mutex<Params>,
@@ -94,15 +94,7 @@ impl Session {
     ) -> Result<Session, ParamsError> {
         params.check()?;
         let (sender, snapshots) = bounded(1);
-        let shared = Arc::new(Shared {
-            wanted: Mutex::new(params),
-            changed: Condvar::new(),
-            epoch: AtomicU64::new(1),
-            limit: AtomicU64::new(limit.clamp(1, Self::MAX_PASSES)),
-            paused: AtomicBool::new(false),
-            stopped: AtomicBool::new(false),
-            interval: AtomicU64::new(millis(options.interval)),
-        });
+        let shared = Arc::new(Shared::new(params, limit, options.interval));
         let outlet = super::outlet::Outlet::new(sender, snapshots.clone(), Box::new(notify));
         let workers = Workers::new(options, shared.clone(), outlet)?;
         let failed = |e: std::io::Error| ParamsError::Threads { threads: 1, reason: e.to_string() };
@@ -114,7 +106,7 @@ impl Session {
     }
 
     /// Renders these from now on. Returns the epoch that their snapshots will carry; it is the
-    /// present one when nothing changed. Takes effect within one tile.
+    /// present one when nothing changed. Takes effect within one bundle of paths.
     pub fn set(&self, params: Params) -> Result<u64, ParamsError> {
         params.check()?;
         let mut wanted = self.shared.lock();
@@ -141,14 +133,15 @@ impl Session {
         self.shared.tell(|shared| shared.limit.store(passes, Ordering::Release));
     }
 
-    /// Stops after the tiles being traced; nothing is lost.
+    /// Stops after the bundles of paths being traced. The sums stay what they are; of what is not yet
+    /// in them, about a twentieth of a second of work, some is traced again.
     pub fn pause(&self) {
-        self.shared.tell(|shared| shared.paused.store(true, Ordering::Release));
+        self.shared.pause(true);
     }
 
     /// Goes on.
     pub fn resume(&self) {
-        self.shared.tell(|shared| shared.paused.store(false, Ordering::Release));
+        self.shared.pause(false);
     }
 
     /// From now on, the shortest time between two snapshots, to whole milliseconds; those at a change
@@ -183,6 +176,22 @@ impl Drop for Session {
 }
 
 impl Shared {
+    pub(super) fn new(params: Params, limit: u64, interval: Duration) -> Shared {
+        Shared {
+            wanted: Mutex::new(params),
+            changed: Condvar::new(),
+            epoch: AtomicU64::new(1),
+            limit: AtomicU64::new(limit.clamp(1, Session::MAX_PASSES)),
+            paused: AtomicBool::new(false),
+            stopped: AtomicBool::new(false),
+            interval: AtomicU64::new(millis(interval)),
+        }
+    }
+
+    pub(super) fn pause(&self, paused: bool) {
+        self.tell(|shared| shared.paused.store(paused, Ordering::Release));
+    }
+
     fn lock(&self) -> MutexGuard<'_, Params> {
         self.wanted.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -212,7 +221,7 @@ impl Shared {
         self.limit.load(Ordering::Acquire)
     }
 
-    /// Whether tiles of this epoch may still be traced.
+    /// Whether paths of this epoch may still be traced.
     pub(super) fn goes_on(&self, epoch: u64) -> bool {
         self.epoch.load(Ordering::Acquire) == epoch
             && !self.paused.load(Ordering::Acquire)

@@ -60,10 +60,6 @@ impl TileRect {
     pub fn height(&self) -> usize {
         (self.y1 - self.y0) as usize
     }
-    /// Its pixels as columns and rows, row by row.
-    pub fn pixels(self) -> impl Iterator<Item = [u32; 2]> {
-        (self.y0..self.y1).flat_map(move |y| (self.x0..self.x1).map(move |x| [x, y]))
-    }
     /// Number of pixels.
     pub fn area(&self) -> usize {
         self.width() * self.height()

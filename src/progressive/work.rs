@@ -1,7 +1,10 @@
 //! What the workers do: coarse blocks, then pass after pass over the tiles.
 
+#[cfg(test)]
+mod tests;
+
 use super::canvas::Canvas;
-use super::epoch::{Epoch, failure};
+use super::epoch::{Epoch, Own, failure};
 use super::outlet::Outlet;
 use super::session::{Options, Shared};
 use super::{Counts, Params, ParamsError, State, TILE, pilot};
@@ -146,8 +149,8 @@ impl Workers {
             return Some(group);
         }
         let found = Mutex::new(Vec::new());
-        let whole = self.for_each_task(epoch, pilot::tasks(), &|task, scratch| {
-            let result = task.run(&epoch.tracer, &epoch.params, scratch);
+        let whole = self.for_each_task(epoch, pilot::tasks(), &|task, own| {
+            let result = task.run(&epoch.params, &epoch.tracer, &mut own.scratch);
             found.lock().unwrap_or_else(PoisonError::into_inner).push(result);
         });
         let found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
@@ -170,7 +173,7 @@ impl Workers {
         canvas.prepare(size, deals.len());
         let columns = epoch.grid.columns_rows()[0] as usize;
         let rows = films.len() / columns;
-        // Rows of tiles that had this pass before an interruption are not traced again.
+        // Rows of tiles that had all of these before an interruption are not traced again.
         let have = |films: &[Film], row: usize| {
             films[row * columns..][..columns].iter().all(|film| film.passes() >= passes.end)
         };
@@ -189,7 +192,7 @@ impl Workers {
             self.pool.install(|| {
                 films.par_iter_mut().enumerate().for_each(|(i, film)| {
                     let index = row * columns + i;
-                    epoch.add(index, film, canvas, deals.len());
+                    epoch.add(index, film, canvas, passes.clone());
                     if due {
                         epoch.show_if_new(index, film);
                         self.show_now_and_then(epoch);
@@ -228,13 +231,13 @@ impl Workers {
         }
         let counts = [AtomicU64::new(0), AtomicU64::new(0)];
         let (start, bundles) = (Instant::now(), tasks.len());
-        let whole = self.for_each_task(epoch, tasks, &|(which, at), scratch| {
+        let whole = self.for_each_task(epoch, tasks, &|(which, at), own| {
             let (deal, pass) = (&deals[which], first_pass + which as u64);
-            epoch.trace(deal, at, pass, 1, scratch, &|pixel, sample| {
-                canvas.put(which, pixel, sample);
-            });
-            counts[0].fetch_add(std::mem::take(&mut scratch.rays), Ordering::Relaxed);
-            counts[1].fetch_add(std::mem::take(&mut scratch.capped), Ordering::Relaxed);
+            let put = &mut |pixel, sample| canvas.put(which, pixel, sample);
+            epoch.trace(deal, at, pass, 1, own, put);
+            let Scratch { rays, capped, .. } = &mut own.scratch;
+            counts[0].fetch_add(std::mem::take(rays), Ordering::Relaxed);
+            counts[1].fetch_add(std::mem::take(capped), Ordering::Relaxed);
         });
         if whole && bundles > 0 {
             let waves = start.elapsed().as_secs_f64() / WAVE_TIME.as_secs_f64();
@@ -253,7 +256,7 @@ impl Workers {
         &self,
         epoch: &Epoch,
         tasks: Vec<T>,
-        work: &(dyn Fn(T, &mut Scratch) + Sync),
+        work: &(dyn Fn(T, &mut Own) + Sync),
     ) -> bool {
         let finished = AtomicBool::new(true);
         self.pool.install(|| {
@@ -264,9 +267,8 @@ impl Workers {
                 }
                 // A worker's own: nobody waits for this lock.
                 let worker = rayon::current_thread_index().unwrap_or(0);
-                let mut scratch =
-                    epoch.scratch[worker].lock().unwrap_or_else(PoisonError::into_inner);
-                work(task, &mut scratch);
+                let mut own = epoch.own[worker].lock().unwrap_or_else(PoisonError::into_inner);
+                work(task, &mut own);
             })
         });
         finished.into_inner()
@@ -289,10 +291,10 @@ impl Workers {
             let [columns, rows] = deal.bundles();
             let tasks = (0..rows).flat_map(|y| (0..columns).map(move |x| [x, y])).collect();
             let start = Instant::now();
-            let whole = self.for_each_task(epoch, tasks, &|at, scratch| {
-                let put = |pixel, sample| canvas.put(0, pixel, sample);
-                epoch.trace(&deal, at, 0, block, scratch, &put);
-                (scratch.rays, scratch.capped) = (0, 0);
+            let whole = self.for_each_task(epoch, tasks, &|at, own| {
+                let put = &mut |pixel, sample| canvas.put(0, pixel, sample);
+                epoch.trace(&deal, at, 0, block, own, put);
+                (own.scratch.rays, own.scratch.capped) = (0, 0);
             });
             if !whole {
                 return;

@@ -1,0 +1,82 @@
+//! Interruptions at every band, without a clock: how long a wave is and when it pauses is for the
+//! tests to say.
+
+use super::*;
+use crate::film::ErrorEstimate;
+use crate::progressive::{Snapshot, render};
+use crate::scene::{Camera, Material, SceneBuilder};
+use crossbeam_channel::bounded;
+use glam::DVec3;
+
+const PASSES: u64 = 40;
+/// A row of tiles is more than the shortest wave of one worker.
+const SIZE: [u32; 2] = [160, 200];
+
+/// Seven rows of tiles: half of the picture a lamp, the other half clay or, without clay, a sky that
+/// is no number.
+fn params(clay: bool) -> Params {
+    let mut b = SceneBuilder::new("a lamp and a wall");
+    let lamp = b.material(Material::light("lamp", [2.0; 3]).unwrap());
+    b.cuboid(DVec3::new(-50.0, 1.0, -50.0), DVec3::new(50.0, 0.0, 100.0), lamp).unwrap();
+    if clay {
+        let wall = Material::reflecting("clay", [0.6, 0.4, 0.3], [0.1; 3], 40.0).unwrap();
+        let wall = b.material(wall);
+        b.cuboid(DVec3::new(0.0, 2.0, -50.0), DVec3::new(50.0, 1.0, 100.0), wall).unwrap();
+        b.cuboid(DVec3::new(1.0, -9.0, -50.0), DVec3::new(1.0, 18.0, 100.0), wall).unwrap();
+    }
+    b.environment = if clay { [0.5, 0.7, 1.0] } else { [f32::NAN; 3] };
+    b.camera = Some(Camera::look_at(DVec3::ZERO, DVec3::Y, 0.8).unwrap());
+    b.screen = SIZE;
+    Params { group: Some(Group::Sixteen), ..Params::new(Arc::new(b.build())) }
+}
+
+/// Rendered with a pause at every snapshot, which with this interval is after every band of tiles.
+/// Waves are as short as they can be, so that a pause leaves the upper rows with more passes than the
+/// others, and as long as they can be, so that many passes are traced at once, in turn.
+fn interrupted(params: &Params, threads: usize) -> Snapshot {
+    let options = Options { threads, preview: false, interval: Duration::ZERO };
+    let shared = Arc::new(Shared::new(params.clone(), PASSES, options.interval));
+    let (sender, receiver) = bounded(1);
+    let pausing = shared.clone();
+    let outlet = Outlet::new(sender, receiver, Box::new(move || pausing.pause(true)));
+    let workers = Workers::new(options, shared.clone(), outlet).unwrap();
+    let epoch = Epoch::new(1, params.clone(), threads);
+    let mut films = vec![Film::default(); epoch.grid.len()];
+    films.iter_mut().enumerate().for_each(|(i, f)| f.retire(epoch.grid.rect(i).area()));
+    let (mut canvas, mut preview) = (Canvas::default(), 0);
+    let mut uneven = 0;
+    for turn in 0.. {
+        workers.wave.store([0, u64::MAX][turn % 2], Ordering::Relaxed);
+        shared.pause(false);
+        workers.run(&epoch, &mut films, &mut canvas, &mut preview);
+        let least = whole_passes(&films);
+        if least == PASSES {
+            break;
+        }
+        let most = films.iter().map(Film::passes).max().unwrap_or(0);
+        uneven += u64::from(least > 1 && most > least);
+    }
+    assert!(uneven > 2, "no pause has come within a pass: the test tests nothing");
+    epoch.snapshot(State::Done, PASSES)
+}
+
+/// What upper rows of tiles have more than lower ones when they go on counts once.
+#[test]
+fn a_pause_within_a_pass_leaves_no_trace() {
+    for clay in [true, false] {
+        let params = params(clay);
+        let plain = render(params.clone(), PASSES, 1).unwrap();
+        for threads in [1, 3] {
+            let paused = interrupted(&params, threads);
+            assert!(paused.tiles.iter().flatten().all(|tile| tile.passes == PASSES));
+            assert!(paused.mean() == plain.mean(), "clay {clay}, {threads} threads");
+            assert!(paused.standard_error() == plain.standard_error());
+            let error = |s: &Snapshot| s.error.map(|e: ErrorEstimate| e.relative);
+            assert_eq!(error(&paused), error(&plain));
+            let counts = |s: &Snapshot| [s.counts.paths, s.counts.nonfinite];
+            assert_eq!(counts(&paused), counts(&plain));
+            let pixels = u64::from(SIZE[0] * SIZE[1]) * PASSES;
+            assert_eq!(counts(&plain), [pixels, if clay { 0 } else { pixels / 2 }]);
+        }
+    }
+}
