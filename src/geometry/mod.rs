@@ -7,6 +7,7 @@
 
 mod bvh;
 mod cylinder;
+mod extent;
 mod offset;
 mod plates;
 mod sphere;
@@ -18,6 +19,7 @@ mod widen;
 
 pub use bvh::Bvh;
 pub use cylinder::Cylinder;
+pub(crate) use extent::{Extent, Passing};
 pub use offset::offset_origin;
 pub(crate) use plates::{NO_PLATE, PlateHits};
 pub use sphere::Sphere;

@@ -1,8 +1,7 @@
 //! Plates that lie together: passed over together by rays that miss the box around them.
 
+use crate::geometry::extent::Extent;
 use crate::math::V3;
-use crate::math::lanes::Packet;
-use std::array::from_fn;
 
 /// What looking at a box costs, in units of a plate.
 const BOX_COST: f64 = 0.5;
@@ -13,9 +12,7 @@ const TOGETHER: i32 = 8;
 /// A box and the plates in it.
 #[derive(Clone, Debug)]
 pub(super) struct Cluster {
-    centre: V3,
-    /// Half its size.
-    half: V3,
+    pub(super) extent: Extent,
     pub(super) plates: Vec<u32>,
 }
 
@@ -57,9 +54,7 @@ pub(super) fn gather(plates: &[(u32, Bounds)], scene: Bounds) -> (Vec<Cluster>, 
     for (bounds, mut plates) in parts {
         plates.sort_unstable();
         if cost(bounds, plates.len()) < plates.len() as f64 {
-            let [low, high] = bounds;
-            let (centre, half) = ((low + high) * 0.5, (high - low) * 0.5);
-            clusters.push(Cluster { centre, half, plates });
+            clusters.push(Cluster { extent: Extent::from_corners(bounds), plates });
         } else {
             rest.append(&mut plates);
         }
@@ -75,40 +70,4 @@ fn surface([low, high]: Bounds) -> f64 {
     let size = high - low;
     let [x, y, z] = [size.x, size.y, size.z].map(|x| f64::from(x.max(0.0)));
     x * y + y * z + z * x
-}
-
-/// Rays made ready for boxes.
-pub(super) struct Slabs<P> {
-    inverse: [P; 3],
-    /// Minus the origin times the inverse.
-    shift: [P; 3],
-    /// What boxes are taken to be larger by, for roundings.
-    clearance: P,
-}
-
-impl<P: Packet> Slabs<P> {
-    #[inline(always)]
-    pub(super) fn new(o: V3<P>, d: V3<P>, clearance: P) -> Slabs<P> {
-        let inverse = [d.x.recip(), d.y.recip(), d.z.recip()];
-        let o = [o.x, o.y, o.z];
-        let shift = from_fn(|axis| -(o[axis] * inverse[axis]));
-        Slabs { inverse, shift, clearance }
-    }
-
-    /// The rays that may be in the box before `t_max`; of those that are not, none is.
-    #[inline(always)]
-    pub(super) fn meet(&self, cluster: &Cluster, t_max: P) -> P::Mask {
-        let Cluster { centre, half, .. } = cluster;
-        let (centre, half) = ([centre.x, centre.y, centre.z], [half.x, half.y, half.z]);
-        let (mut near, mut far) = (P::splat(0.0), t_max);
-        for axis in 0..3 {
-            let inverse = self.inverse[axis];
-            let middle = inverse.mul_add(P::splat(centre[axis]), self.shift[axis]);
-            let reach = inverse.abs() * (P::splat(half[axis]) + self.clearance);
-            // Along a plane there is no number, and no bound by it.
-            near = (middle - reach).max(near);
-            far = (middle + reach).min(far);
-        }
-        !near.gt(far)
-    }
 }

@@ -12,10 +12,11 @@ mod pick;
 mod tests;
 
 use super::Geometry;
+use super::extent::Passing;
 use super::offset::ROUNDING;
 use crate::math::V3;
 use crate::math::lanes::{Bits, Mask, Packet};
-use clusters::{Cluster, Slabs};
+use clusters::Cluster;
 
 /// A plate that is none.
 pub(crate) const NO_PLATE: u32 = u32::MAX;
@@ -213,9 +214,9 @@ impl Plates {
         if self.clusters.is_empty() {
             return hits;
         }
-        let slabs = Slabs::new(o, d, clearance);
+        let passing = Passing::new(o, d);
         for cluster in &self.clusters {
-            if slabs.meet(cluster, hits.t + hits.within).any() {
+            if passing.meet(&cluster.extent, hits.t + hits.within).any() {
                 for &at in &cluster.plates {
                     self.take_nearer(at, &mut hits, (o, d), from, clearance);
                 }
@@ -278,9 +279,9 @@ impl Plates {
             live = live & !self.shade(at, &mut shadow, (o, d, t_max), ends, clearance);
         }
         if !self.clusters.is_empty() {
-            let slabs = Slabs::new(o, d, clearance);
+            let passing = Passing::new(o, d);
             for cluster in &self.clusters {
-                if !(slabs.meet(cluster, t_max) & live).any() {
+                if !(passing.meet(&cluster.extent, t_max) & live).any() {
                     continue;
                 }
                 for &at in &cluster.plates {

@@ -143,8 +143,13 @@ impl Tracer {
                 let ways = [towards_light, sampled];
                 bundle.seconds.push::<P>(go, slot, &point, what, ways, next.f);
             }
+            let o = offset_origin(point.p, point.error, point.ng, d);
+            // At the last event only lights are of interest.
+            if event + 1 == self.max_depth && goes.any() {
+                goes = goes & lights.may_be_met(o, d);
+            }
             let paths = &mut bundle.paths;
-            paths.o.push::<P>(going, goes, offset_origin(point.p, point.error, point.ng, d));
+            paths.o.push::<P>(going, goes, o);
             paths.d.push::<P>(going, goes, d);
             paths.beta.push_rgb::<P>(going, goes, beta);
             paths.pdf.push::<P>(going, goes, next.pdf);

@@ -19,9 +19,9 @@ pub(super) use estimate::Receiver;
 pub(super) use shapes::{Asked, SHADOW_END};
 
 use super::table::Table;
-use crate::geometry::{Geometry, Kind, NO_PLATE};
+use crate::geometry::{Extent, Geometry, Kind, NO_PLATE, Passing};
 use crate::math::lanes::{Bits, Lane, Packet};
-use crate::math::{Rgb, warp};
+use crate::math::{Rgb, V3, warp};
 use crate::scene::{Material, Scene};
 use estimate::Bound;
 use shapes::{FIELDS, Shape};
@@ -56,6 +56,8 @@ pub(super) struct Lights {
     /// Ranges of primitives that emit: first, count, and the first one's place in `light_of`.
     ranges: Vec<[u32; 3]>,
     light_of: Vec<u32>,
+    /// Around all that can be met: each, or everything together.
+    extents: Vec<Extent>,
     environment: Rgb,
     /// Luminance in units of the brightest light's; 0 for none.
     sky: f32,
@@ -107,6 +109,11 @@ impl Lights {
         if sky > 0.0 {
             records.push(Shape::Environment.record(u32::MAX, environment, NO_PLATE));
         }
+        let boxes = bounds.iter().map(|b| Extent { centre: b.centre, half: b.half });
+        let extents = match bounds.len() {
+            ..=FEW => boxes.collect(),
+            _ => Extent::around(boxes).into_iter().collect(),
+        };
         let mut links: Vec<u32> = (0..bounds.len() as u32).collect();
         let (mut branches, mut tree, mut leaf) = (bounds, None, 0);
         if records.len() > FEW {
@@ -119,7 +126,18 @@ impl Lights {
             links.push(leaf | (records.len() as u32 - 1));
         }
         let records = Table::new(records);
-        Lights { records, branches, links, tree, ranges, light_of, environment, sky, equally }
+        Lights {
+            records,
+            branches,
+            links,
+            tree,
+            ranges,
+            light_of,
+            extents,
+            environment,
+            sky,
+            equally,
+        }
     }
 
     /// How many there are, the environment included if it shines.
@@ -130,6 +148,17 @@ impl Lights {
     /// Whether which one is asked depends on the place.
     pub(super) fn choose_by_place(&self) -> bool {
         self.count() > 1
+    }
+
+    /// The rays that may meet something that emits: from those that are not, there comes nothing.
+    #[inline(always)]
+    pub(super) fn may_be_met<P: Packet>(&self, o: V3<P>, d: V3<P>) -> P::Mask {
+        let mut may = P::mask(if self.sky > 0.0 { u32::MAX } else { 0 });
+        let passing = Passing::new(o, d);
+        for extent in &self.extents {
+            may = may | passing.meet(extent, P::splat(f32::INFINITY));
+        }
+        may
     }
 
     /// What comes from a direction that hits nothing.
