@@ -232,6 +232,7 @@ impl Tracer {
             let joined = dispatch(isa, Join { tracer: self, bundle, stack });
             effort.pairs += joined.pairs;
             effort.joined += joined.joined;
+            effort.between += joined.between;
             effort.alone += joined.alone;
             *rays += joined.joined;
             watch(Stage::Join, bundle.seconds.count);
