@@ -21,6 +21,7 @@ use crate::math::{Lane, Rgb};
 use crate::scene::{Camera, CameraRays, Material, Scene};
 pub use deal::{Deal, Group, Hand, Part};
 use engine::{Bundle, Tables};
+pub use engine::{FirstHits, Round};
 use lights::Lights;
 use std::sync::Arc;
 
