@@ -24,6 +24,9 @@ pub(super) type Bounds = [V3; 2];
 pub(super) fn gather(plates: &[(u32, Bounds)], scene: Bounds) -> (Vec<Cluster>, Vec<u32>) {
     let whole = surface(scene).max(f64::MIN_POSITIVE);
     let cost = |bounds: Bounds, count: usize| {
+        if count == 1 {
+            return 1.0;
+        }
         let met = (surface(bounds) / whole).min(1.0);
         let any = 1.0 - (1.0 - met).powi(TOGETHER);
         BOX_COST + any * count as f64

@@ -7,6 +7,7 @@
 //! the quick one.
 
 mod clusters;
+mod hull;
 mod pick;
 #[cfg(test)]
 mod tests;
@@ -17,6 +18,7 @@ use super::offset::ROUNDING;
 use crate::math::V3;
 use crate::math::lanes::{Bits, Mask, Packet};
 use clusters::Cluster;
+use hull::Hull;
 
 /// A plate that is none.
 pub(crate) const NO_PLATE: u32 = u32::MAX;
@@ -68,8 +70,9 @@ enum Sides {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Plates {
     plates: Vec<Plate>,
-    /// Those on the convex hull.
+    /// Those on the convex hull, and the same as one, where that is faster.
     outer: Vec<u32>,
+    hull: Option<Hull>,
     /// Those that bodies may lie behind, as seen from between surfaces: not on the convex hull.
     inner: Vec<u32>,
     /// The inner ones that lie together, and the rest of them.
@@ -147,7 +150,8 @@ impl Plates {
         let all = bounds_of(&mut geometry.positions.iter().copied());
         let pieces: Vec<_> = inner.iter().map(|&at| (at, bounds(at))).collect();
         let (clusters, lone) = clusters::gather(&pieces, all);
-        Plates { plates, outer, inner, clusters, lone, shades, plate_of }
+        let hull = Hull::new(geometry, &plates, &outer);
+        Plates { plates, outer, hull, inner, clusters, lone, shades, plate_of }
     }
 
     /// Which of the inner plates may be met on the way from a point to any point of a box, given by
@@ -208,7 +212,11 @@ impl Plates {
             triangle: P::Bits::splat(0),
             open: P::mask(0),
         };
-        for &at in self.outer.iter().chain(&self.lone) {
+        let outer = match &self.hull {
+            Some(hull) if hull.take(&self.plates, &mut hits, (o, d), from, clearance) => &[],
+            _ => &self.outer[..],
+        };
+        for &at in outer.iter().chain(&self.lone) {
             self.take_nearer(at, &mut hits, (o, d), from, clearance);
         }
         if self.clusters.is_empty() {
@@ -391,6 +399,22 @@ impl Plate {
 }
 
 impl Sides {
+    /// Four edges; a triangle's last one twice.
+    fn lines(&self) -> [Line; 4] {
+        match *self {
+            Sides::Triangle([a, b, c]) => [a, b, c, c],
+            Sides::Parallelogram([one, other]) => {
+                let ([a, b], [c, e]) = (one.edges(), other.edges());
+                [a, b, c, e]
+            }
+            Sides::Trapezoid(strip, [c, e]) => {
+                let [a, b] = strip.edges();
+                [a, b, c, e]
+            }
+            Sides::Quadrilateral(lines) => lines,
+        }
+    }
+
     /// How far inside a point of the plane is.
     #[inline(always)]
     fn inside<P: Packet>(&self, x: V3<P>) -> P {
@@ -413,6 +437,11 @@ impl Line {
 }
 
 impl Strip {
+    fn edges(&self) -> [Line; 2] {
+        let Line { m, c } = self.middle;
+        [Line { m, c: c - self.half }, Line { m: -m, c: -c - self.half }]
+    }
+
     #[inline(always)]
     fn inside<P: Packet>(&self, x: V3<P>) -> P {
         P::splat(self.half) - self.middle.across(x).abs()

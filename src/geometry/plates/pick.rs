@@ -15,7 +15,7 @@ const LARGE: f64 = 1.0 / 256.0;
 /// are not known well enough.
 const SLENDER: f64 = 512.0;
 /// Corners of a four-sided plate lie in its plane to within this.
-const FLAT: f64 = 4.0 * ROUNDING as f64;
+pub(super) const FLAT: f64 = 4.0 * ROUNDING as f64;
 
 /// The plates of a scene, in order of the larger of their triangles.
 pub(super) fn pick(geometry: &Geometry) -> Vec<Plate> {
@@ -74,7 +74,7 @@ fn candidates(geometry: &Geometry) -> Vec<Candidate> {
     (0..geometry.triangles.len()).filter_map(candidate).collect()
 }
 
-fn wide(v: V3) -> DVec3 {
+pub(super) fn wide(v: V3) -> DVec3 {
     DVec3::new(v.x.into(), v.y.into(), v.z.into())
 }
 

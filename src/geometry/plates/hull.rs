@@ -1,0 +1,194 @@
+//! The walls of a scene, all at once: of the plates on its convex hull a ray from within can meet
+//! those alone that lie in the plane by which it leaves.
+//!
+//! Which plane that is takes no division: of distances `h` to planes and speeds `a` towards them it
+//! is the one of the least `h / a`. Its plate's edges are then looked up, and tried once instead of
+//! those of all plates. Where another plane is about as near the exact test decides.
+
+use super::pick::{FLAT, narrow, wide};
+use super::{Line, Plate, PlateHits, Way, dot};
+use crate::geometry::Geometry;
+use crate::math::V3;
+use crate::math::lanes::{Bits, Mask, Packet};
+use glam::DVec3;
+
+/// Most planes.
+const FACETS: usize = 8;
+/// Of fewer plates it is faster to try each.
+const LEAST: usize = 4;
+/// In place of a facet's number.
+const NONE: u32 = u32::MAX;
+/// A ray that comes no nearer to a plane than by this, for each unit of distance and way, does not
+/// leave by it.
+const SLOWEST: f32 = 1e-6;
+/// What points of a plane are in front of it, at least.
+const LEAST_HEIGHT: f32 = 1e-20;
+/// Less than any distance.
+const FAR_OUT: f32 = -1e30;
+
+/// The planes of a convex hull that have plates in them.
+#[derive(Clone, Debug)]
+pub(super) struct Hull {
+    /// Outward normals and their products with the points of the planes.
+    facets: Vec<(V3, f32)>,
+    /// One plate of each facet, by number.
+    first: Box<Table>,
+    /// Facets and the other plates in them.
+    others: Vec<(u32, u32)>,
+}
+
+/// Numbers of up to sixteen plates, to be looked up.
+#[derive(Clone, Debug, Default)]
+struct Table {
+    edges: [LineTable; 4],
+    diagonal: LineTable,
+    slenderness: [f32; 16],
+    /// As bits: the plate, and its triangles.
+    names: [[f32; 16]; 3],
+}
+
+#[derive(Clone, Debug, Default)]
+struct LineTable([[f32; 16]; 4]);
+
+impl LineTable {
+    fn set(&mut self, at: usize, line: Line) {
+        let Line { m, c } = line;
+        for (row, x) in self.0.iter_mut().zip([m.x, m.y, m.z, c]) {
+            row[at] = x;
+        }
+    }
+
+    #[inline(always)]
+    fn across<P: Packet>(&self, which: P::Bits, x: V3<P>) -> P {
+        let [a, b, c, d] = &self.0;
+        let m = V3::new(P::lookup(a, which), P::lookup(b, which), P::lookup(c, which));
+        let y = x.y.mul_add(m.y, x.x * m.x);
+        x.z.mul_add(m.z, y) - P::lookup(d, which)
+    }
+}
+
+impl Hull {
+    /// Of the plates with these numbers, all on the hull, if it pays.
+    pub(super) fn new(geometry: &Geometry, plates: &[Plate], outer: &[u32]) -> Option<Hull> {
+        if outer.len() < LEAST {
+            return None;
+        }
+        let centre = geometry.positions.iter().map(|p| wide(*p)).sum::<DVec3>()
+            / geometry.positions.len().max(1) as f64;
+        let mut hull = Hull { facets: Vec::new(), first: Box::default(), others: Vec::new() };
+        for &at in outer {
+            let plate = &plates[at as usize];
+            let corners = plate.triangles.map(|i| geometry.corners(i as usize));
+            let within = |(n, d): &(V3, f32)| {
+                let height = |p: &V3| (wide(*n).dot(wide(*p)) - f64::from(*d)).abs();
+                corners.iter().flatten().all(|p| height(p) <= FLAT)
+            };
+            if let Some(facet) = hull.facets.iter().position(within) {
+                hull.others.push((facet as u32, at));
+                continue;
+            }
+            let number = hull.facets.len();
+            if number == FACETS {
+                return None;
+            }
+            let n = wide(plate.n);
+            let outwards = if n.dot(centre) > f64::from(plate.d) { -1.0 } else { 1.0 };
+            hull.facets.push((narrow(n * outwards), plate.d * outwards as f32));
+            let Table { edges, diagonal, slenderness, names } = &mut *hull.first;
+            for (table, line) in edges.iter_mut().zip(plate.sides.lines()) {
+                table.set(number, line);
+            }
+            // Of a lone triangle every point is on the near side.
+            let none = Line { m: V3::default(), c: -FAR_OUT };
+            diagonal.set(number, plate.diagonal.unwrap_or(none));
+            slenderness[number] = plate.slenderness;
+            let [a, b] = plate.triangles;
+            for (row, name) in names.iter_mut().zip([at, a, b]) {
+                row[number] = f32::from_bits(name);
+            }
+        }
+        Some(hull)
+    }
+
+    /// Takes down what rays meet of the hull, before anything else; false, and nothing is done, if
+    /// any of them starts outside.
+    #[inline(always)]
+    pub(super) fn take<P: Packet>(
+        &self,
+        plates: &[Plate],
+        hits: &mut PlateHits<P>,
+        (o, d): (V3<P>, V3<P>),
+        from: P::Bits,
+        clearance: P,
+    ) -> bool {
+        let zero = P::splat(0.0);
+        let (mut a, mut h) = ([zero; FACETS], [zero; FACETS]);
+        let (mut fastest, mut height) = (P::splat(SLOWEST), P::splat(1.0));
+        let (mut facet, mut lowest) = (P::Bits::splat(NONE), P::splat(f32::INFINITY));
+        for (k, (n, distance)) in self.facets.iter().enumerate() {
+            (a[k], h[k]) = (dot(*n, d), P::splat(*distance) - dot(*n, o));
+            lowest = h[k].min(lowest);
+            let above = h[k].max(P::splat(LEAST_HEIGHT));
+            let sooner = (a[k] * height).gt(fastest * above);
+            fastest = P::select(sooner, a[k], fastest);
+            height = P::select(sooner, above, height);
+            facet = P::select_bits(sooner, P::Bits::splat(k as u32), facet);
+        }
+        if !lowest.ge(-clearance).all() {
+            return false;
+        }
+        let inverse = fastest.recip();
+        let (t, band) = (height * inverse, clearance * inverse);
+        let way = Way { t, within: band, band };
+        let x = way.point(o, d);
+        // How far within the other planes it is there.
+        let mut rest = P::splat(f32::INFINITY);
+        for k in 0..self.facets.len() {
+            let left = (-a[k]).mul_add(t, h[k]);
+            let this = P::equal_bits(facet, P::Bits::splat(k as u32));
+            rest = P::select(this, rest, left.min(rest));
+        }
+        let Table { edges, diagonal, slenderness, names } = &*self.first;
+        let mut inside = edges[0].across(facet, x);
+        for edge in &edges[1..] {
+            inside = edge.across(facet, x).min(inside);
+        }
+        let mut second = diagonal.across(facet, x);
+        let mut within = band * P::lookup(slenderness, facet);
+        let [mut plate, mut near, mut far] =
+            [0, 1, 2].map(|i: usize| P::lookup(&names[i], facet).to_bits());
+        // The next best of a facet's plates.
+        let mut next = P::splat(FAR_OUT);
+        for &(there, at) in &self.others {
+            let this = P::equal_bits(facet, P::Bits::splat(there));
+            let other = &plates[at as usize];
+            let depth = P::select(this, other.sides.inside(x), P::splat(FAR_OUT));
+            let better = depth.gt(inside);
+            next = next.max(depth.min(inside));
+            inside = inside.max(depth);
+            let across = match &other.diagonal {
+                Some(diagonal) => diagonal.across(x),
+                None => P::splat(FAR_OUT),
+            };
+            second = P::select(better, across, second);
+            within = P::select(better, band * P::splat(other.slenderness), within);
+            let names = [at, other.triangles[0], other.triangles[1]].map(P::Bits::splat);
+            plate = P::select_bits(better, names[0], plate);
+            near = P::select_bits(better, names[1], near);
+            far = P::select_bits(better, names[2], far);
+        }
+        let leaves = !P::equal_bits(facet, P::Bits::splat(NONE));
+        let own = P::equal_bits(from, plate);
+        let met = leaves & !own & inside.gt(band) & t.gt(within);
+        let missed = !leaves | own | inside.lt(-band);
+        let clear = rest.gt(band + band) & (next.lt(-band) | !leaves);
+        let known = clear & (missed | (met & second.abs().gt(band)));
+        hits.open = hits.open | !known;
+        hits.t = P::select(met, t, hits.t);
+        hits.within = P::select(met, within, hits.within);
+        hits.plate = P::select_bits(met, plate, hits.plate);
+        let triangle = P::select_bits(second.gt(zero), far, near);
+        hits.triangle = P::select_bits(met, triangle, hits.triangle);
+        true
+    }
+}
