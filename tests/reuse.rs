@@ -8,7 +8,7 @@ use burnish::math::lanes::Isa;
 use burnish::progressive::{Params, Replay, render};
 use burnish::scene::builtin::Example;
 use burnish::scene::{Camera, Material, Scene, SceneBuilder};
-use burnish::trace::{Deal, Group, Hand, Part, Scratch, Tracer};
+use burnish::trace::{Deal, Group, Hand, Part, Round, Scratch, Tracer};
 use glam::DVec3;
 use std::sync::Arc;
 use support::Mean;
@@ -52,7 +52,9 @@ impl ModelVisitor for Pass<'_> {
     type Output = Vec<Rgb>;
     fn visit<M: Microfacet>(self) -> Vec<Rgb> {
         let mut found = Vec::new();
-        self.0.sample_hand::<M>(self.1, self.2, 1, self.3, &mut |_, sample| found.push(sample));
+        self.0.sample_hand::<M>(self.1, Round::of(self.2), self.3, &mut |_, sample| {
+            found.push(sample)
+        });
         found
     }
 }

@@ -90,8 +90,9 @@ mod tests {
             let [low, high] = [corners[0].min(corners[1]), corners[0].max(corners[1])];
             let extent = Extent::from_corners([low, high]);
             let mut o = point([1.0, 30.0, 2000.0][round % 3]);
-            let inside = point(1.0);
-            let target = extent.centre + inside * extent.half;
+            let (inside, half) = (point(1.0), extent.half);
+            let aside = V3::new(inside.x * half.x, inside.y * half.y, inside.z * half.z);
+            let target = extent.centre + aside;
             // Some along the axes, where there is nothing to divide by.
             if round % 7 == 0 {
                 (o.x, o.y) = (target.x, target.y);

@@ -28,7 +28,7 @@ impl Ray {
 
 /// Subtrees still to be visited. Made once a worker by [`Bvh::stack`] and used for all its rays.
 #[derive(Clone, Debug)]
-pub struct Stack(Box<[(f32, u32)]>, pub(super) Streams);
+pub struct Stack(pub(super) Box<[(f32, u32)]>, pub(super) Streams);
 
 impl Bvh {
     /// A stack deep enough for this tree.

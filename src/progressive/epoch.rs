@@ -5,7 +5,7 @@ use super::trace::trace;
 use super::{Counts, Params, Snapshot, State, TileGrid, TileImage, pilot};
 use crate::film::{ErrorSums, Film};
 use crate::math::Rgb;
-use crate::trace::{Deal, Group, Hand, Scratch, Tracer};
+use crate::trace::{Deal, Group, Hand, Round, Scratch, Tracer};
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -80,14 +80,13 @@ impl Epoch {
         &self,
         deal: &Deal,
         at: [u32; 2],
-        pass: u64,
-        block: u32,
+        round: Round,
         own: &mut Own,
         put: &mut dyn FnMut([u32; 2], Rgb),
     ) {
         let Own { scratch, hand } = own;
         deal.bundle(at, hand);
-        trace(&self.params, &self.tracer, hand, pass, block, scratch, put);
+        trace(&self.params, &self.tracer, hand, round, scratch, put);
     }
 
     /// Adds the samples of those of the canvas's passes that a tile's film does not have: after an

@@ -2,6 +2,7 @@
 
 mod canvas;
 mod epoch;
+mod kept;
 mod outlet;
 mod params;
 mod pilot;

@@ -3,20 +3,18 @@
 use super::Params;
 use crate::brdf::{Microfacet, ModelVisitor};
 use crate::math::Rgb;
-use crate::trace::{Hand, Scratch, Tracer};
+use crate::trace::{Hand, Round, Scratch, Tracer};
 
-/// Traces one pass of a hand's pixels, or of blocks of pixels that are `block` on a side, and puts
-/// down each sample.
+/// Traces the samples of a hand's pixels and puts down each.
 pub(super) fn trace(
     params: &Params,
     tracer: &Tracer,
     hand: &Hand,
-    pass: u64,
-    block: u32,
+    round: Round,
     scratch: &mut Scratch,
     put: &mut dyn FnMut([u32; 2], Rgb),
 ) {
-    params.model.visit(Pass { tracer, hand, pass, block, scratch, put });
+    params.model.visit(Pass { tracer, hand, round, scratch, put });
 }
 
 /// The samples of one pass, in the order of the hand's pixels.
@@ -28,15 +26,15 @@ pub(super) fn samples(
     scratch: &mut Scratch,
 ) -> Vec<Rgb> {
     let mut found = Vec::with_capacity(hand.pixels.len());
-    trace(params, tracer, hand, pass, 1, scratch, &mut |_, sample| found.push(sample));
+    let round = Round::of(pass);
+    trace(params, tracer, hand, round, scratch, &mut |_, sample| found.push(sample));
     found
 }
 
 struct Pass<'a> {
     tracer: &'a Tracer,
     hand: &'a Hand,
-    pass: u64,
-    block: u32,
+    round: Round<'a>,
     scratch: &'a mut Scratch,
     put: &'a mut dyn FnMut([u32; 2], Rgb),
 }
@@ -44,7 +42,7 @@ struct Pass<'a> {
 impl ModelVisitor for Pass<'_> {
     type Output = ();
     fn visit<M: Microfacet>(self) {
-        let Pass { tracer, hand, pass, block, scratch, put } = self;
-        tracer.sample_hand::<M>(hand, pass, block, scratch, put);
+        let Pass { tracer, hand, round, scratch, put } = self;
+        tracer.sample_hand::<M>(hand, round, scratch, put);
     }
 }

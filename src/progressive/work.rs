@@ -5,11 +5,12 @@ mod tests;
 
 use super::canvas::Canvas;
 use super::epoch::{Epoch, Own, failure};
+use super::kept::Kept;
 use super::outlet::Outlet;
 use super::session::{Options, Shared};
 use super::{Counts, Params, ParamsError, State, TILE, pilot};
 use crate::film::Film;
-use crate::trace::{Deal, Group, Scratch};
+use crate::trace::{Deal, FirstHits, Group, Round, Scratch};
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::ops::Range;
@@ -37,11 +38,36 @@ const PREVIEW_STEP: u32 = 4;
 /// Paths of a preview that share.
 const PREVIEW_GROUP: Group = Group::Sixteen;
 
+/// What a driver has from one epoch to the next besides the films.
+struct Store {
+    canvas: Canvas,
+    /// Of the next preview.
+    preview_paths: u64,
+    kept: Kept,
+}
+
+impl Default for Store {
+    fn default() -> Store {
+        let (canvas, kept) = (Canvas::default(), Kept::default());
+        Store { canvas, preview_paths: PREVIEW_PATHS, kept }
+    }
+}
+
 /// What a driver is to do next.
 pub(super) enum Work {
     Stop,
     Start(u64, Box<Params>),
     Continue,
+}
+
+/// Passes that are traced at once, and what is kept of the first one.
+#[derive(Clone, Copy)]
+struct Rounds<'a> {
+    deals: &'a [Deal],
+    /// The first one's number.
+    first: u64,
+    /// Of each bundle, or nothing.
+    first_hits: &'a [FirstHits],
 }
 
 pub(super) struct Workers {
@@ -74,8 +100,7 @@ impl Workers {
     /// The driver's thread: until the handle is dropped.
     pub(super) fn drive(self) {
         let mut films: Vec<Film> = Vec::new();
-        let mut canvas = Canvas::default();
-        let mut preview_paths = PREVIEW_PATHS;
+        let mut store = Store::default();
         let mut now: Option<Epoch> = None;
         let mut failed = false;
         loop {
@@ -104,9 +129,8 @@ impl Workers {
                 }
             }
             let Some(epoch) = &now else { continue };
-            let outcome = catch_unwind(AssertUnwindSafe(|| {
-                self.run(epoch, &mut films, &mut canvas, &mut preview_paths)
-            }));
+            let outcome =
+                catch_unwind(AssertUnwindSafe(|| self.run(epoch, &mut films, &mut store)));
             if let Err(panic) = outcome {
                 let reason = failure(epoch, panic.as_ref());
                 self.outlet.send(|| epoch.snapshot(State::Failed(reason), whole_passes(&films)));
@@ -116,11 +140,12 @@ impl Workers {
     }
 
     /// Traces until the pass limit or an interruption.
-    fn run(&self, epoch: &Epoch, films: &mut [Film], canvas: &mut Canvas, most: &mut u64) {
+    fn run(&self, epoch: &Epoch, films: &mut [Film], store: &mut Store) {
         epoch.clock(true);
+        store.kept.renew(&epoch.params);
         let goes_on = || self.shared.goes_on(epoch.number);
         if self.options.preview && whole_passes(films) == 0 {
-            self.preview(epoch, canvas, most);
+            self.preview(epoch, store);
         }
         let Some(group) = self.group(epoch) else { return epoch.clock(false) };
         let pixels: u64 = epoch.params.size.map(u64::from).iter().product();
@@ -131,7 +156,7 @@ impl Workers {
             if done >= target {
                 break;
             }
-            self.passes(epoch, films, canvas, done..target, group);
+            self.passes(epoch, films, store, done..target, group);
             // The first whole pass is worth showing whenever it comes.
             if done == 0 && whole_passes(films) > 0 {
                 self.outlet.send(|| epoch.snapshot(State::Running, whole_passes(films)));
@@ -163,13 +188,18 @@ impl Workers {
         &self,
         epoch: &Epoch,
         films: &mut [Film],
-        canvas: &mut Canvas,
+        Store { canvas, kept, .. }: &mut Store,
         passes: Range<u64>,
         group: Group,
     ) {
         let Params { size, seed, .. } = epoch.params;
         let deals: Vec<Deal> =
             passes.clone().map(|pass| Deal::new(size, seed, pass, group)).collect();
+        // Only who edits comes back to the first pass.
+        let first_hits = match passes {
+            Range { start: 0, end: 1 } if self.options.preview => kept.round(1, group, &deals[0]),
+            _ => &[],
+        };
         canvas.prepare(size, deals.len());
         let columns = epoch.grid.columns_rows()[0] as usize;
         let rows = films.len() / columns;
@@ -184,7 +214,8 @@ impl Workers {
             let band = (self.wave() as usize).div_ceil(samples);
             let end = (row + band).min(rows);
             let lines = row as u32 * TILE..(end as u32 * TILE).min(size[1]);
-            if !self.trace_lines(epoch, canvas, &deals, passes.start, lines, &mut traced) {
+            let rounds = Rounds { deals: &deals, first: passes.start, first_hits };
+            if !self.trace_lines(epoch, canvas, rounds, lines, &mut traced) {
                 return;
             }
             let due = passes.start == 0 || epoch.is_snapshot_due(self.shared.interval());
@@ -215,8 +246,7 @@ impl Workers {
         &self,
         epoch: &Epoch,
         canvas: &Canvas,
-        deals: &[Deal],
-        first_pass: u64,
+        Rounds { deals, first, first_hits }: Rounds,
         lines: Range<u32>,
         traced: &mut [u32],
     ) -> bool {
@@ -232,9 +262,10 @@ impl Workers {
         let counts = [AtomicU64::new(0), AtomicU64::new(0)];
         let (start, bundles) = (Instant::now(), tasks.len());
         let whole = self.for_each_task(epoch, tasks, &|(which, at), own| {
-            let (deal, pass) = (&deals[which], first_pass + which as u64);
+            let (deal, pass) = (&deals[which], first + which as u64);
             let put = &mut |pixel, sample| canvas.put(which, pixel, sample);
-            epoch.trace(deal, at, pass, 1, own, put);
+            let first_hits = first_hits.get((at[1] * deal.bundles()[0] + at[0]) as usize);
+            epoch.trace(deal, at, Round { pass, block: 1, first_hits }, own, put);
             let Scratch { rays, capped, .. } = &mut own.scratch;
             counts[0].fetch_add(std::mem::take(rays), Ordering::Relaxed);
             counts[1].fetch_add(std::mem::take(capped), Ordering::Relaxed);
@@ -275,7 +306,8 @@ impl Workers {
     }
 
     /// Blocks of pixels in the colour of one sample each, ever finer.
-    fn preview(&self, epoch: &Epoch, canvas: &mut Canvas, most: &mut u64) {
+    fn preview(&self, epoch: &Epoch, store: &mut Store) {
+        let Store { canvas, preview_paths: most, kept } = store;
         let Params { size, seed, .. } = epoch.params;
         let coarse = |block: u32| size.map(|side| side.div_ceil(block));
         let paths = |block: u32| coarse(block).map(u64::from).iter().product::<u64>();
@@ -290,10 +322,12 @@ impl Workers {
             canvas.prepare(coarse(block), 1);
             let [columns, rows] = deal.bundles();
             let tasks = (0..rows).flat_map(|y| (0..columns).map(move |x| [x, y])).collect();
+            let first_hits = kept.round(block, group, &deal);
             let start = Instant::now();
             let whole = self.for_each_task(epoch, tasks, &|at, own| {
                 let put = &mut |pixel, sample| canvas.put(0, pixel, sample);
-                epoch.trace(&deal, at, 0, block, own, put);
+                let first_hits = first_hits.get((at[1] * columns + at[0]) as usize);
+                epoch.trace(&deal, at, Round { pass: 0, block, first_hits }, own, put);
                 (own.scratch.rays, own.scratch.capped) = (0, 0);
             });
             if !whole {

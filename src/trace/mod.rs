@@ -21,6 +21,7 @@ use crate::math::{Lane, Rgb};
 use crate::scene::{Camera, CameraRays, Material, Scene};
 pub use deal::{Deal, Group, Hand, Part};
 use engine::{Bundle, Tables};
+pub use engine::{FirstHits, Round};
 use lights::Lights;
 use std::sync::Arc;
 
@@ -208,8 +209,10 @@ pub struct Effort {
     pub pairs: u64,
     /// Rays between those that were traced.
     pub joined: u64,
-    /// Rays of all kinds that went through the tree by themselves: that met its box, or for which
-    /// the quick test of the plates could not tell.
+    /// Of those, the ones that went through the tree.
+    pub between: u64,
+    /// Rays of other kinds that went through the tree: that met its box, or for which the quick test
+    /// of the plates could not tell.
     pub alone: u64,
 }
 
@@ -223,6 +226,7 @@ impl Effort {
             (self.asked, 20.0),
             (self.pairs, 1.4),
             (self.joined, 1.6),
+            (self.between, 0.7 * tree),
             (self.alone, tree),
         ];
         prices.iter().map(|&(count, price)| count as f64 * price).sum()

@@ -50,7 +50,8 @@ fn measure(args: &Args, path: Option<&Path>) -> Result<(), Failure> {
         ("nearest hit", effort.nearest),
         ("towards lights", effort.asked),
         ("between points shared", effort.joined),
-        ("of all, through the tree", effort.alone),
+        ("of those, through the tree", effort.between),
+        ("of the others, through it", effort.alone),
     ] {
         rays.row([name.into(), format!("{:.2}", count as f64 / paths)]);
     }

@@ -2,6 +2,7 @@
 //! tests to say.
 
 use super::*;
+use crate::brdf::Model;
 use crate::film::ErrorEstimate;
 use crate::progressive::{Snapshot, render};
 use crate::scene::{Camera, Material, SceneBuilder};
@@ -43,12 +44,12 @@ fn interrupted(params: &Params, threads: usize) -> Snapshot {
     let epoch = Epoch::new(1, params.clone(), threads);
     let mut films = vec![Film::default(); epoch.grid.len()];
     films.iter_mut().enumerate().for_each(|(i, f)| f.retire(epoch.grid.rect(i).area()));
-    let (mut canvas, mut preview) = (Canvas::default(), 0);
+    let mut store = Store::default();
     let mut uneven = 0;
     for turn in 0.. {
         workers.wave.store([0, u64::MAX][turn % 2], Ordering::Relaxed);
         shared.pause(false);
-        workers.run(&epoch, &mut films, &mut canvas, &mut preview);
+        workers.run(&epoch, &mut films, &mut store);
         let least = whole_passes(&films);
         if least == PASSES {
             break;
@@ -79,4 +80,38 @@ fn a_pause_within_a_pass_leaves_no_trace() {
             assert_eq!(counts(&plain), [pixels, if clay { 0 } else { pixels / 2 }]);
         }
     }
+}
+
+/// What camera rays met is met again after an edit that is not about where surfaces are: the picture
+/// is that of a fresh start, and the rays of the first pass are not traced twice.
+#[test]
+fn first_hits_are_kept_from_edit_to_edit() {
+    let options = Options { threads: 2, preview: true, interval: Duration::from_millis(50) };
+    let start = params(true);
+    let edits: [&dyn Fn(&mut Params); 5] = [
+        &|_| (),
+        &|p| p.model = Model::Phong,
+        &|p| Arc::make_mut(&mut p.materials)[1].kd = [0.1, 0.2, 0.3],
+        &|p| p.camera = Camera::look_at(DVec3::ZERO, DVec3::new(0.1, 1.0, 0.0), 0.8).unwrap(),
+        &|p| p.seed = 7,
+    ];
+    let shared = Arc::new(Shared::new(start.clone(), 1, options.interval));
+    let (sender, receiver) = bounded(1);
+    let outlet = Outlet::new(sender, receiver, Box::new(|| ()));
+    let workers = Workers::new(options, shared, outlet).unwrap();
+    let (mut store, mut params) = (Store { preview_paths: 1000, ..Store::default() }, start);
+    let mut traced = Vec::new();
+    for edit in edits {
+        edit(&mut params);
+        let epoch = Epoch::new(1, params.clone(), 2);
+        let mut films = vec![Film::default(); epoch.grid.len()];
+        films.iter_mut().enumerate().for_each(|(i, f)| f.retire(epoch.grid.rect(i).area()));
+        workers.run(&epoch, &mut films, &mut store);
+        let edited = epoch.snapshot(State::Done, 1);
+        let fresh = render(params.clone(), 1, 1).unwrap();
+        assert!(edited.mean() == fresh.mean());
+        traced.push(fresh.counts.rays - edited.counts.rays);
+    }
+    let all = u64::from(SIZE[0] * SIZE[1]);
+    assert_eq!(traced, [0, all, all, 0, 0]);
 }

@@ -7,6 +7,7 @@
 //! numbers alone, never on who else is in the bundle; what it is given by [others](reuse), on its
 //! group.
 
+mod kept;
 mod rays;
 mod receivers;
 mod reuse;
@@ -21,6 +22,7 @@ use crate::math::lanes::{Bits, Kernel, Packet, Wide, dispatch};
 use crate::math::sequence::{Slot, Stream, pair};
 use crate::math::{Rgb, V3};
 use crate::scene::Material;
+pub use kept::FirstHits;
 use rays::Asked;
 use receivers::Receivers;
 use reuse::{Firsts, Seconds};
@@ -89,6 +91,24 @@ struct Shadows {
     slot: Column<u32, FOURFOLD>,
 }
 
+/// Which samples of some pixels.
+#[derive(Clone, Copy, Debug)]
+pub struct Round<'a> {
+    /// Of which pass, from 0.
+    pub pass: u64,
+    /// For blocks of so many pixels a side instead of pixels.
+    pub block: u32,
+    /// What their camera rays met, if it is kept.
+    pub first_hits: Option<&'a FirstHits>,
+}
+
+impl Round<'_> {
+    /// One sample a pixel, of which nothing is kept.
+    pub fn of(pass: u64) -> Round<'static> {
+        Round { pass, block: 1, first_hits: None }
+    }
+}
+
 /// Lights asked at the first point of a path that shares its second one; room is for four.
 const LIGHTS_ASKED: u32 = 4;
 
@@ -113,20 +133,19 @@ impl Tracer {
             if some.is_empty() {
                 return;
             }
-            self.sample_together::<M>(&some, &[], pass, 1, scratch, &mut |_, _| {});
+            self.sample_together::<M>(&some, &[], Round::of(pass), scratch, &mut |_, _| {});
             for &radiance in &scratch.bundle.radiance {
                 each(radiance.into());
             }
         }
     }
 
-    /// The same for the pixels of a [`Hand`], which share as it says, and for blocks of
-    /// pixels instead of pixels, `block` on a side. Not for more than a hand's pixels.
+    /// The same for the pixels of a [`Hand`], which share as it says, and for what a [`Round`] has
+    /// besides. Not for more than a hand's pixels.
     pub fn sample_hand<M: Microfacet>(
         &self,
         hand: &Hand,
-        pass: u64,
-        block: u32,
+        round: Round,
         scratch: &mut Scratch,
         each: &mut dyn FnMut([u32; 2], Rgb),
     ) {
@@ -134,10 +153,10 @@ impl Tracer {
             let mut pixels = hand.pixels.iter();
             let each = &mut |found| each(*pixels.next().expect("one a pixel"), found);
             let pixels = &mut hand.pixels.iter().copied();
-            return self.sample_one_by_one::<M>(pixels, pass, block, scratch, each);
+            return self.sample_one_by_one::<M>(pixels, round.pass, round.block, scratch, each);
         }
         scratch.bundle.part = hand.part;
-        self.sample_together::<M>(&hand.pixels, &hand.ends, pass, block, scratch, &mut |_, _| {});
+        self.sample_together::<M>(&hand.pixels, &hand.ends, round, scratch, &mut |_, _| {});
         scratch.bundle.part = Part::Whole;
         for (&pixel, &radiance) in hand.pixels.iter().zip(&scratch.bundle.radiance) {
             each(pixel, radiance.into());
@@ -154,7 +173,8 @@ impl Tracer {
         watch: Watch,
     ) {
         if self.method.is_the_engines(M::MODEL) {
-            self.sample_together::<M>(&hand.pixels, &hand.ends, pass, 1, scratch, watch);
+            let round = Round::of(pass);
+            self.sample_together::<M>(&hand.pixels, &hand.ends, round, scratch, watch);
         }
     }
 
@@ -162,8 +182,7 @@ impl Tracer {
         &self,
         pixels: &[[u32; 2]],
         ends: &[u32],
-        pass: u64,
-        block: u32,
+        round: Round,
         scratch: &mut Scratch,
         watch: Watch,
     ) {
@@ -174,15 +193,14 @@ impl Tracer {
         }
         all_ends.clear();
         all_ends.extend_from_slice(ends);
-        self.follow::<M>(pixels.len().min(BUNDLE), pass, block, scratch, watch);
+        self.follow::<M>(pixels.len().min(BUNDLE), round, scratch, watch);
     }
 
     /// The paths of the bundle, from the camera to their ends.
     fn follow<M: Microfacet>(
         &self,
         mut count: usize,
-        pass: u64,
-        block: u32,
+        Round { pass, block, first_hits }: Round,
         scratch: &mut Scratch,
         watch: Watch,
     ) {
@@ -198,9 +216,16 @@ impl Tracer {
         dispatch(isa, Start { tracer: self, paths: &mut bundle.paths, count, pass, block });
         watch(Stage::Start, count);
         for event in 0.. {
-            *rays += count as u64;
-            effort.nearest += count as u64;
-            effort.alone += dispatch(isa, Trace { tracer: self, bundle, count, stack });
+            let kept = first_hits.filter(|_| event == 0);
+            let known = kept.is_some_and(|kept| kept.recall(&mut bundle.met, count));
+            effort.alone += dispatch(isa, Trace { tracer: self, bundle, count, known, stack });
+            if !known {
+                *rays += count as u64;
+                effort.nearest += count as u64;
+                if let Some(kept) = kept {
+                    kept.keep(&bundle.met, count);
+                }
+            }
             watch(Stage::Trace, count);
             let last = event >= self.max_depth || event >= DEPTH_CAP;
             let model = PhantomData::<M>;
@@ -232,6 +257,7 @@ impl Tracer {
             let joined = dispatch(isa, Join { tracer: self, bundle, stack });
             effort.pairs += joined.pairs;
             effort.joined += joined.joined;
+            effort.between += joined.between;
             effort.alone += joined.alone;
             *rays += joined.joined;
             watch(Stage::Join, bundle.seconds.count);
@@ -319,6 +345,8 @@ struct Trace<'a> {
     tracer: &'a Tracer,
     bundle: &'a mut Bundle,
     count: usize,
+    /// Whether all was met before.
+    known: bool,
     stack: &'a mut Stack,
 }
 
@@ -327,10 +355,12 @@ impl Kernel for Trace<'_> {
     type Output = u64;
     #[inline(always)]
     fn run<W: Wide, P: Packet>(self) -> u64 {
-        let Trace { tracer, bundle, count, stack } = self;
-        let alone = tracer.trace::<W, P>(bundle, count, stack);
+        let Trace { tracer, bundle, count, known, stack } = self;
+        let alone = if known { 0 } else { tracer.trace::<W, P>(bundle, count, stack) };
         bundle.met.fetch(tracer.scene.geometry(), &bundle.paths, count);
-        bundle.met.resolve::<P>(&bundle.paths, count);
+        if !known {
+            bundle.met.resolve::<P>(&bundle.paths, count);
+        }
         alone
     }
 }

@@ -128,13 +128,26 @@ impl Met {
     /// Takes down what one ray met.
     #[inline(always)]
     pub(super) fn set(&mut self, at: usize, hit: Option<Hit>, plate: u32) {
-        let hit = hit.unwrap_or(Hit { t: f32::INFINITY, primitive: u32::MAX, b: [0.0; 2] });
-        self.t.0[at] = hit.t;
-        self.primitive.0[at] = hit.primitive;
-        self.b[0].0[at] = hit.b[0];
-        self.b[1].0[at] = hit.b[1];
+        let Hit { t, primitive, b } =
+            hit.unwrap_or(Hit { t: f32::INFINITY, primitive: u32::MAX, b: [0.0; 2] });
+        self.put(at, t, b, primitive, plate);
+    }
+
+    /// Takes down a hit by its numbers.
+    #[inline(always)]
+    pub(super) fn put(&mut self, at: usize, t: f32, b: [f32; 2], primitive: u32, plate: u32) {
+        self.t.0[at] = t;
+        self.primitive.0[at] = primitive;
+        self.b[0].0[at] = b[0];
+        self.b[1].0[at] = b[1];
         self.plate.0[at] = plate;
         self.rough.0[at] = 0;
+    }
+
+    /// The numbers of a hit, once all are found.
+    pub(super) fn of(&self, at: usize) -> (f32, [f32; 2], u32, u32) {
+        let b = [self.b[0].0[at], self.b[1].0[at]];
+        (self.t.0[at], b, self.primitive.0[at], self.plate.0[at])
     }
 
     /// Finds distances and weights where they are not known yet; the shapes have to be there.

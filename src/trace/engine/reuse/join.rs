@@ -2,7 +2,7 @@
 
 use super::super::{Bundle, lowest};
 use super::{Firsts, Runs};
-use crate::geometry::{Query, Ray, Stack, offset_origin};
+use crate::geometry::{Leaves, Query, Rays, Shaft, Stack, offset_origin};
 use crate::math::V3;
 use crate::math::columns::Columns3;
 use crate::math::lanes::{Bits, Mask, Packet, Wide};
@@ -10,26 +10,29 @@ use crate::trace::lights::SHADOW_END;
 use crate::trace::{Effort, Tracer};
 
 impl Firsts {
-    /// Corners of the box around the points of a run.
+    /// Lowest and highest corner of the box around the points of a run, and of those around each
+    /// register's worth of them.
     #[inline(always)]
-    fn bounds<P: Packet>(&self, run: &Runs) -> [V3; 2] {
-        let mut low = V3::splat(P::splat(f32::INFINITY));
-        let mut high = -low;
+    fn bounds<P: Packet>(&self, run: &Runs, each: &mut Vec<[V3; 2]>) -> [V3; 2] {
+        each.clear();
+        let [infinite, nothing] = [f32::INFINITY, f32::NEG_INFINITY];
         for first in (0..run.len()).step_by(P::WIDTH) {
             let at = run.base + first;
             let there = !P::equal_bits(self.there.load::<P>(at), P::Bits::splat(0));
             let there = there & P::mask(lowest(run.len() - first));
             let p = self.point.p.load::<P>(at);
-            low = V3::select(there, low.min(p), low);
-            high = V3::select(there, high.max(p), high);
+            let mut corners = [[0.0; 3]; 2];
+            for (axis, x) in [p.x, p.y, p.z].into_iter().enumerate() {
+                let mut lanes = [0.0; 16];
+                P::select(there, x, P::splat(infinite)).store(&mut lanes);
+                corners[0][axis] = lanes[..P::WIDTH].iter().copied().fold(infinite, f32::min);
+                P::select(there, x, P::splat(nothing)).store(&mut lanes);
+                corners[1][axis] = lanes[..P::WIDTH].iter().copied().fold(nothing, f32::max);
+            }
+            each.push(corners.map(V3::from));
         }
-        let fold = |x: P, of: fn(f32, f32) -> f32| {
-            let mut lanes = [0.0; 16];
-            x.store(&mut lanes);
-            lanes[1..P::WIDTH].iter().fold(lanes[0], |a, b| of(a, *b))
-        };
-        let all = |v: V3<P>, of| V3::new(fold(v.x, of), fold(v.y, of), fold(v.z, of));
-        [all(low, f32::min), all(high, f32::max)]
+        let none = [V3::splat(infinite), V3::splat(nothing)];
+        each.iter().fold(none, |[a, b], [c, d]| [a.min(*c), b.max(*d)])
     }
 }
 
@@ -44,6 +47,7 @@ impl Tracer {
         let Bundle { firsts, seconds, ends, .. } = bundle;
         let (bvh, geometry) = (self.scene.bvh(), self.scene.geometry());
         let mut later = std::mem::take(&mut seconds.later);
+        let mut leaves = std::mem::take(&mut later.leaves);
         let zero = P::splat(0.0);
         let mut effort = Effort::default();
         let mut run = Runs::new(ends);
@@ -52,7 +56,7 @@ impl Tracer {
         for entry in 0..seconds.count {
             let slot = seconds.slot.0[entry] as usize;
             if run.reach(slot) {
-                bounds = firsts.bounds::<P>(&run);
+                bounds = firsts.bounds::<P>(&run, &mut later.boxes);
             }
             let mut seen = 1u128 << (slot - run.base);
             if !seconds.is_lit(slot) {
@@ -92,28 +96,37 @@ impl Tracer {
                 let [blocked, open] =
                     bvh.plates().occluded_by::<P>(between, o, d, t_max, ends, live);
                 let clear = (live & !blocked).bits();
-                let open = open.bits();
-                let unsure = clear & (open | bvh.meets_tree(o, d, t_max).bits());
-                let mut free = clear & !unsure;
-                if unsure != 0 {
-                    effort.alone += u64::from(unsure.count_ones());
-                    let mut parts = [[0.0; 16]; 6];
-                    for (x, part) in [o.x, o.y, o.z, d.x, d.y, d.z].into_iter().zip(&mut parts) {
-                        x.store(part);
+                let open = open.bits() & clear;
+                let through_tree = bvh.meets_tree(o, d, t_max).bits() & clear & !open;
+                let mut free = clear & !(open | through_tree);
+                if open | through_tree != 0 {
+                    effort.alone += u64::from(open.count_ones());
+                    effort.between += u64::from(through_tree.count_ones());
+                    let rays = Rays::new(o, d);
+                    for lane in lanes(open) {
+                        let ray = rays.get(lane);
+                        let blocked = bvh.occluded_with::<W>(geometry, &ray, SHADOW_END, stack);
+                        free |= u32::from(!blocked) << lane;
                     }
-                    let mut unsure = unsure;
-                    while unsure != 0 {
-                        let lane = unsure.trailing_zeros() as usize;
-                        unsure &= unsure - 1;
-                        let part = |i: usize| {
-                            V3::new(parts[i][lane], parts[i + 1][lane], parts[i + 2][lane])
-                        };
-                        let ray = Ray { o: part(0), d: part(3) };
-                        if open >> lane & 1 == 0 {
-                            let query = Query { ray, t_max: SHADOW_END };
+                    let together = through_tree.count_ones() >= TOGETHER && {
+                        let p2 = seconds.point.p.get(entry).into();
+                        let shaft = Shaft::new(later.boxes[first / P::WIDTH], p2);
+                        bvh.look_up::<W>(&shaft, stack, &mut leaves)
+                    };
+                    if together {
+                        let rays = [o, d];
+                        free |= through_tree
+                            & !bvh.occluded_by::<W, P>(
+                                geometry,
+                                rays,
+                                SHADOW_END,
+                                through_tree,
+                                &leaves,
+                            );
+                    } else {
+                        for lane in lanes(through_tree) {
+                            let query = Query { ray: rays.get(lane), t_max: SHADOW_END };
                             later.push(((entry as u32, (first + lane) as u32), query));
-                        } else if !bvh.occluded_with::<W>(geometry, &ray, SHADOW_END, stack) {
-                            free |= 1 << lane;
                         }
                     }
                 }
@@ -125,9 +138,24 @@ impl Tracer {
             }
         }
         later.ask::<W>(self, stack, &mut seconds.seen);
+        later.leaves = leaves;
         seconds.later = later;
         effort
     }
+}
+
+/// So many rays of a register's worth, and one shaft is looked up for all of them.
+const TOGETHER: u32 = 3;
+
+/// The lanes of a mask.
+#[inline(always)]
+fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = mask.trailing_zeros() as usize;
+        let some = mask != 0;
+        mask &= mask.wrapping_sub(1);
+        some.then_some(lane)
+    })
 }
 
 /// Rays between pairs that the tree is asked about together: so many, that they hide each other's
@@ -140,6 +168,10 @@ pub(super) struct Later {
     pairs: Vec<(u32, u32)>,
     queries: Vec<Query>,
     occluded: Vec<bool>,
+    /// Around the first points of a run, a register's worth each.
+    boxes: Vec<[V3; 2]>,
+    /// What lies between those and a second point.
+    leaves: Leaves,
 }
 
 impl Later {

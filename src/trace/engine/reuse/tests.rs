@@ -9,7 +9,7 @@ use crate::math::{Frame, Rgb, V3};
 use crate::progressive::Params;
 use crate::scene::builtin::Example;
 use crate::trace::lights::SHADOW_END;
-use crate::trace::{Deal, Group, Hand, Part, Scratch, Tracer};
+use crate::trace::{Deal, Group, Hand, Part, Round, Scratch, Tracer};
 use std::sync::Arc;
 
 /// One surface point.
@@ -116,7 +116,7 @@ fn naive<M: Microfacet>(
 
 /// A bundle after a pass by the engine, with what its paths received by sharing.
 fn traced<M: Microfacet>(tracer: &Tracer, hand: &Hand, scratch: &mut Scratch) -> Vec<[f32; 3]> {
-    tracer.sample_hand::<M>(hand, 3, 1, scratch, &mut |_, _| {});
+    tracer.sample_hand::<M>(hand, Round::of(3), scratch, &mut |_, _| {});
     scratch.bundle.radiance.clone()
 }
 
