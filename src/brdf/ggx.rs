@@ -38,6 +38,13 @@ impl Microfacet for Ggx {
 
     /// Visible normals by reflection at a spherical cap (Dupuy and Benyoub, "Sampling visible GGX
     /// normals with spherical caps", 2023).
+    ///
+    /// To cut off the part of the cap whose reflections all lie below the surface (Eto and
+    /// Tokuyoshi, "Bounded VNDF sampling for Smith-GGX reflections", 2023) was measured and left
+    /// out. At normal incidence and alpha 1 it loses none of the samples instead of half of them,
+    /// but a lost sample costs no rays: on the built-in scene 5 % less relMSE take 8 % more work
+    /// (`burnish render --alpha 1 --max-depth 8 --group 64`), 3.4 % take 3.1 % at alpha 0.6, and
+    /// rough metal in a closed room has 0.4 to 1 % less for 4 to 10 % more.
     #[inline(always)]
     fn sample_wm<L: Lane>(width: Width<L>, wo: V3<L>, u: [L; 2]) -> V3<L> {
         let one = L::splat(1.0);
