@@ -1,8 +1,8 @@
 //! Lanes: the number type that every formula of this crate is written over.
 //!
 //! A formula takes `L: Lane` and never branches on a value; it selects. So the same source serves
-//! one ray (`f32`, [`Lane::WIDTH`] 1), four at a time (SSE2), eight ([`F32x8`] or its AVX2 twin) and
-//! sixteen (AVX-512).
+//! one ray (`f32`, [`Lane::WIDTH`] 1), four at a time (SSE2), eight ([`F32x8`] or its twins of SSE2
+//! and AVX2) and sixteen (AVX-512).
 //! Control flow that differs between scalar and wide code lives with its callers.
 //!
 //! This is the one module that may use `unsafe`: the instruction-set shells below it.
@@ -279,7 +279,7 @@ pub fn dispatch<K: Kernel>(isa: Isa, kernel: K) -> K::Output {
 #[inline(never)]
 fn run_portably<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
-    return kernel.run::<F32x8, x86::Sse2>();
+    return kernel.run::<x86::Sse2x8, x86::Sse2>();
     #[cfg(not(target_arch = "x86_64"))]
     kernel.run::<F32x8, f32>()
 }

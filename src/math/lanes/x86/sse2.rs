@@ -93,6 +93,20 @@ impl Bits for Sse2Bits {
         Sse2Bits(unsafe { _mm_set1_epi32(x as i32) })
     }
 }
+impl Sse2Bits {
+    /// The lane that the shuffle's control names four times over, in all lanes.
+    #[inline(always)]
+    pub(super) fn every<const CONTROL: i32>(self) -> Sse2Bits {
+        // SAFETY: every x86-64 has SSE2 (module docs).
+        Sse2Bits(unsafe { _mm_shuffle_epi32::<CONTROL>(self.0) })
+    }
+    /// All ones where this is less than the other, both as signed numbers, else 0.
+    #[inline(always)]
+    pub(super) fn below(self, other: Sse2Bits) -> Sse2Bits {
+        // SAFETY: every x86-64 has SSE2 (module docs).
+        Sse2Bits(unsafe { _mm_cmplt_epi32(self.0, other.0) })
+    }
+}
 impl Not for Sse2Mask {
     type Output = Sse2Mask;
     #[inline(always)]
