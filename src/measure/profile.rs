@@ -1,7 +1,6 @@
 //! Where the engine's time goes: stages by the clock, rays by kind, lanes in use. One thread.
 
 use crate::brdf::{Microfacet, ModelVisitor};
-use crate::math::lanes::Isa;
 use crate::progressive::Params;
 use crate::trace::{Deal, Effort, Group, Hand, Scratch, Stage, Tracer};
 use std::time::{Duration, Instant};
@@ -39,11 +38,7 @@ impl Profile {
     pub fn new(params: &Params, passes: u64) -> Option<Profile> {
         let tracer = params.tracer();
         let group = params.decide_group().ok()?;
-        let width = match params.scene.bvh().isa() {
-            Isa::Portable => 1,
-            Isa::Avx2 => 8,
-            Isa::Avx512 => 16,
-        };
+        let width = params.scene.bvh().isa().width();
         let (effort, stages) = (Effort::default(), Default::default());
         let time = Duration::ZERO;
         let mut profile = Profile { group, paths: 0, time, stages, effort, width };

@@ -1,7 +1,8 @@
 //! Lanes: the number type that every formula of this crate is written over.
 //!
 //! A formula takes `L: Lane` and never branches on a value; it selects. So the same source serves
-//! one ray (`f32`, [`Lane::WIDTH`] 1), eight at a time ([`F32x8`] or its AVX2 twin) and sixteen (AVX-512).
+//! one ray (`f32`, [`Lane::WIDTH`] 1), four at a time (SSE2), eight ([`F32x8`] or its twins of SSE2
+//! and AVX2) and sixteen (AVX-512).
 //! Control flow that differs between scalar and wide code lives with its callers.
 //!
 //! This is the one module that may use `unsafe`: the instruction-set shells below it.
@@ -201,7 +202,8 @@ pub trait Packet: Lane {
 /// bits on all of them; AVX2 and AVX-512 give the same bits always.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Isa {
-    /// Plain Rust, compiled for the target's baseline.
+    /// What every machine of the target has: SSE2 on x86-64, plain Rust elsewhere, with the same
+    /// bits.
     Portable,
     /// AVX2 with FMA.
     Avx2,
@@ -225,6 +227,20 @@ impl Isa {
     pub fn available() -> Vec<Isa> {
         let best = Isa::detect();
         Isa::ALL.into_iter().take_while(|&isa| isa as u8 <= best as u8).collect()
+    }
+
+    /// How many paths are computed at a time: [`Lane::WIDTH`] of the packets that [`dispatch`] runs
+    /// a kernel with on this machine.
+    pub fn width(self) -> usize {
+        struct Width;
+        impl Kernel for Width {
+            type Output = usize;
+            #[inline(always)]
+            fn run<W: Wide, P: Packet>(self) -> usize {
+                P::WIDTH
+            }
+        }
+        dispatch(self, Width)
     }
 
     /// Lower-case name as `--stats` writes it.
@@ -262,5 +278,8 @@ pub fn dispatch<K: Kernel>(isa: Isa, kernel: K) -> K::Output {
 /// Of its own, so that each kernel is compiled once for all its callers.
 #[inline(never)]
 fn run_portably<K: Kernel>(kernel: K) -> K::Output {
+    #[cfg(target_arch = "x86_64")]
+    return kernel.run::<x86::Sse2x8, x86::Sse2>();
+    #[cfg(not(target_arch = "x86_64"))]
     kernel.run::<F32x8, f32>()
 }

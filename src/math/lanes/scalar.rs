@@ -63,7 +63,7 @@ impl Lane for f32 {
     }
 }
 
-/// The portable bundle is one value at a time: what a compiler makes of arrays in code as long as
+/// The bundle of plain Rust is one value at a time: what a compiler makes of arrays in code as long as
 /// the tracer's is no faster, and takes it minutes.
 impl Packet for f32 {
     #[inline(always)]

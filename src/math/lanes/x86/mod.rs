@@ -1,12 +1,19 @@
-//! The instruction sets of x86-64 beyond its baseline.
+//! The instruction sets of x86-64.
 #![allow(unsafe_code)]
 
 mod avx2;
 mod avx512;
+mod sse2;
+mod sse2x8;
 
 use super::{Isa, Kernel, run_portably};
 use avx2::Avx2;
 use avx512::Avx512;
+pub(super) use sse2::Sse2;
+pub(super) use sse2x8::Sse2x8;
+
+#[cfg(not(target_feature = "sse2"))]
+compile_error!("the lanes of x86-64 lean on SSE2, which this build has switched off");
 
 /// The best set that this machine has.
 pub(super) fn detect() -> Isa {
