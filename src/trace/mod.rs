@@ -226,7 +226,7 @@ impl Effort {
             (self.asked, 20.0),
             (self.pairs, 1.4),
             (self.joined, 1.6),
-            (self.between, 0.7 * tree),
+            (self.between, tree),
             (self.alone, tree),
         ];
         prices.iter().map(|&(count, price)| count as f64 * price).sum()
