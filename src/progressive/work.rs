@@ -30,7 +30,7 @@ const WAVE_MOST: u64 = 1 << 18;
 
 /// A preview has as many paths as the last one traced in this time, so that it stands within a
 /// frame's. It is thrown away, so it may depend on the clock.
-const PREVIEW_TIME: Duration = Duration::from_millis(15);
+const PREVIEW_TIME: Duration = Duration::from_millis(10);
 /// Paths of the first preview of all.
 const PREVIEW_PATHS: u64 = 8192;
 /// The preview is refined by this factor in each direction until a pass is no finer.
