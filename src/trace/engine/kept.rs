@@ -19,9 +19,6 @@ struct FirstHit {
 }
 
 impl FirstHits {
-    /// Bytes a path.
-    pub const BYTES: usize = size_of::<FirstHit>();
-
     /// Whether it was there, for so many paths.
     pub(super) fn recall(&self, met: &mut Met, count: usize) -> bool {
         let Some(hits) = self.0.get().filter(|hits| hits.len() == count) else { return false };
