@@ -110,6 +110,12 @@ impl Epoch {
         self.count(Counts { paths, nonfinite, ..Counts::default() });
     }
 
+    /// Whether a film has so much more than is shown of it that one would see it: an eighth.
+    pub(super) fn is_behind(&self, index: usize, film: &Film) -> bool {
+        let shown = self.shown(index).passes();
+        film.passes() > shown + shown / 8
+    }
+
     /// Shows what a film has if it is more than what is shown.
     pub(super) fn show_if_new(&self, index: usize, film: &Film) {
         if film.passes() == self.shown(index).passes() {

@@ -224,7 +224,8 @@ impl Workers {
                 films.par_iter_mut().enumerate().for_each(|(i, film)| {
                     let index = row * columns + i;
                     epoch.add(index, film, canvas, passes.clone());
-                    if due {
+                    // Every row gets its turn, whenever the others were shown.
+                    if due || self.options.preview && epoch.is_behind(index, film) {
                         epoch.show_if_new(index, film);
                         self.show_now_and_then(epoch);
                     }

@@ -115,3 +115,26 @@ fn first_hits_are_kept_from_edit_to_edit() {
     let all = u64::from(SIZE[0] * SIZE[1]);
     assert_eq!(traced, [0, all, all, 0, 0]);
 }
+
+/// However seldom snapshots are due, no row of tiles is shown much older than it is.
+#[test]
+fn no_row_is_left_behind_while_others_are_shown() {
+    let hour = Duration::from_secs(3600);
+    let options = Options { threads: 1, preview: true, interval: hour };
+    let shared = Arc::new(Shared::new(params(true), 100, hour));
+    let (sender, receiver) = bounded(1);
+    let outlet = Outlet::new(sender, receiver, Box::new(|| ()));
+    let workers = Workers::new(options, shared, outlet).unwrap();
+    let epoch = Epoch::new(1, params(true), 1);
+    let mut films = vec![Film::default(); epoch.grid.len()];
+    films.iter_mut().enumerate().for_each(|(i, f)| f.retire(epoch.grid.rect(i).area()));
+    let mut store = Store::default();
+    for pass in 0..30 {
+        workers.passes(&epoch, &mut films, &mut store, pass..pass + 1, Group::None);
+        let shown = epoch.snapshot(State::Running, pass + 1);
+        for tile in shown.tiles.iter().flatten() {
+            assert!(tile.passes + tile.passes / 8 > pass, "{} of {}", tile.passes, pass + 1);
+        }
+        assert_eq!(shown.tiles.iter().flatten().count(), epoch.grid.len());
+    }
+}
