@@ -16,9 +16,10 @@ use super::triangle::{self, Sheared};
 use crate::math::V3;
 use crate::math::lanes::{Mask, Packet, Wide};
 
-/// Rays begin and end this near the points that the shaft is between, and boxes are rounded: in
-/// units of the scene, whose coordinates are within 1.
-const MARGIN: f32 = 64.0 * ROUNDING;
+/// Rays begin and end this near the points that the shaft is between: off the surfaces by their
+/// errors, some 60 roundings at most. Hits are within their boxes but for 16 more. In units of the
+/// scene, whose coordinates are within 1.
+const MARGIN: f32 = 128.0 * ROUNDING;
 /// Roundings of a plane's test.
 const PLANE_MARGIN: f32 = 16.0 * ROUNDING;
 /// More leaves than this, or more nodes on the way to them, and each ray goes by itself.

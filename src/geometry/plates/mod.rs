@@ -7,6 +7,7 @@
 //! the quick one.
 
 mod clusters;
+mod face;
 mod hull;
 mod pick;
 #[cfg(test)]
@@ -18,6 +19,7 @@ use super::offset::ROUNDING;
 use crate::math::V3;
 use crate::math::lanes::{Bits, Mask, Packet};
 use clusters::Cluster;
+use face::{Line, Plate, Sides, Strip, Way, dot};
 use hull::Hull;
 
 /// A plate that is none.
@@ -29,42 +31,6 @@ const CLEARANCE: f32 = 64.0;
 /// What is this far to one side of a plate does not meet it: several times the clearance above for
 /// points of the scene, whose coordinates are within 1, and their distance from the surface.
 const ASIDE: f32 = 16.0 * CLEARANCE * ROUNDING;
-
-/// A triangle, or two that make a convex quadrilateral.
-#[derive(Clone, Debug)]
-struct Plate {
-    /// Unit normal and its product with the points of the plane.
-    n: V3,
-    d: f32,
-    sides: Sides,
-    /// Across the diagonal, towards the second triangle, if there is one.
-    diagonal: Option<Line>,
-    triangles: [u32; 2],
-    slenderness: f32,
-}
-
-/// A line in a plate's plane: a unit vector across it and its product with the line's points.
-#[derive(Clone, Copy, Debug)]
-struct Line {
-    m: V3,
-    c: f32,
-}
-
-/// Two parallel edges: the line in the middle between them, and how far off they are.
-#[derive(Clone, Copy, Debug)]
-struct Strip {
-    middle: Line,
-    half: f32,
-}
-
-/// A plate's edges, their lines inwards. Parallel ones are looked at together.
-#[derive(Clone, Debug)]
-enum Sides {
-    Triangle([Line; 3]),
-    Parallelogram([Strip; 2]),
-    Trapezoid(Strip, [Line; 2]),
-    Quadrilateral([Line; 4]),
-}
 
 /// All plates of a scene.
 #[derive(Clone, Debug, Default)]
@@ -353,105 +319,6 @@ impl Plates {
 struct Shadow<P: Packet> {
     blocked: P::Mask,
     open: P::Mask,
-}
-
-/// How far it is to a plane along a ray.
-#[derive(Clone, Copy)]
-struct Way<P> {
-    t: P,
-    /// How far off that may be.
-    within: P,
-    /// How far off the point's distances in the plane may be.
-    band: P,
-}
-
-impl<P: Packet> Way<P> {
-    #[inline(always)]
-    fn point(&self, o: V3<P>, d: V3<P>) -> V3<P> {
-        let along = |d: P, o: P| d.mul_add(self.t, o);
-        V3::new(along(d.x, o.x), along(d.y, o.y), along(d.z, o.z))
-    }
-
-    /// Whether it is certainly not ahead, or beyond `t_max`.
-    #[inline(always)]
-    fn is_off(&self, t_max: P) -> P::Mask {
-        let depth = self.t.min(t_max - self.t);
-        (depth + self.within).lt(P::splat(0.0))
-    }
-
-    /// How far within the edges, ahead of the ray's start and before `t_max` it is, by the least of
-    /// the three: at most, and at least. Of a ray along the plane neither is above or below 0.
-    #[inline(always)]
-    fn depth(&self, inside: P, t_max: P) -> [P; 2] {
-        let (along, Way { within, band, .. }) = (self.t.min(t_max - self.t), *self);
-        [(inside + band).min(along + within), (inside - band).min(along - within)]
-    }
-}
-
-impl Plate {
-    #[inline(always)]
-    fn way<P: Packet>(&self, o: V3<P>, d: V3<P>, clearance: P) -> Way<P> {
-        let inverse = dot(self.n, d).recip();
-        let t = (P::splat(self.d) - dot(self.n, o)) * inverse;
-        let band = clearance * inverse.abs();
-        Way { t, within: band * P::splat(self.slenderness), band }
-    }
-}
-
-impl Sides {
-    /// Four edges; a triangle's last one twice.
-    fn lines(&self) -> [Line; 4] {
-        match *self {
-            Sides::Triangle([a, b, c]) => [a, b, c, c],
-            Sides::Parallelogram([one, other]) => {
-                let ([a, b], [c, e]) = (one.edges(), other.edges());
-                [a, b, c, e]
-            }
-            Sides::Trapezoid(strip, [c, e]) => {
-                let [a, b] = strip.edges();
-                [a, b, c, e]
-            }
-            Sides::Quadrilateral(lines) => lines,
-        }
-    }
-
-    /// How far inside a point of the plane is.
-    #[inline(always)]
-    fn inside<P: Packet>(&self, x: V3<P>) -> P {
-        match self {
-            Sides::Triangle([a, b, c]) => a.across(x).min(b.across(x)).min(c.across(x)),
-            Sides::Parallelogram([a, b]) => a.inside(x).min(b.inside(x)),
-            Sides::Trapezoid(strip, [a, b]) => strip.inside(x).min(a.across(x).min(b.across(x))),
-            Sides::Quadrilateral([a, b, c, e]) => {
-                a.across(x).min(b.across(x)).min(c.across(x).min(e.across(x)))
-            }
-        }
-    }
-}
-
-impl Line {
-    #[inline(always)]
-    fn across<P: Packet>(&self, x: V3<P>) -> P {
-        dot(self.m, x) - P::splat(self.c)
-    }
-}
-
-impl Strip {
-    fn edges(&self) -> [Line; 2] {
-        let Line { m, c } = self.middle;
-        [Line { m, c: c - self.half }, Line { m: -m, c: -c - self.half }]
-    }
-
-    #[inline(always)]
-    fn inside<P: Packet>(&self, x: V3<P>) -> P {
-        P::splat(self.half) - self.middle.across(x).abs()
-    }
-}
-
-#[inline(always)]
-fn dot<P: Packet>(n: V3, v: V3<P>) -> P {
-    let y = v.y.mul_add(P::splat(n.y), v.x * P::splat(n.x));
-    v.z.mul_add(P::splat(n.z), y)
 }
 
 /// What decisions keep clear of, for a ray straight across a plane: roundings are in proportion to
