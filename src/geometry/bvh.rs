@@ -1,5 +1,6 @@
 //! The tree: built by obvhs as a binary one, then widened to eight children a node.
 
+use super::extent::Extent;
 use super::plates::Plates;
 use super::treelets;
 use super::triangle::Pack;
@@ -58,8 +59,8 @@ pub struct Bvh {
     pub(super) nodes: Vec<Node>,
     pub(super) packs: Vec<Pack>,
     pub(super) root: Option<u32>,
-    /// Corners of the box around all that is in the tree.
-    pub(super) bounds: [V3; 2],
+    /// Around all that is in the tree; of no meaning where there is nothing.
+    pub(super) extent: Extent,
     /// What is not in the tree, with its triangles for the exact test.
     pub(super) plates: Plates,
     pub(super) large: Vec<Pack>,
@@ -76,7 +77,7 @@ impl Bvh {
             nodes: Vec::new(),
             packs: Vec::new(),
             root: None,
-            bounds: [V3::splat(f32::INFINITY), V3::splat(f32::NEG_INFINITY)],
+            extent: Extent::default(),
             large: large.chunks(8).map(|ids| Pack::of(geometry, ids)).collect(),
             plates,
             isa: Isa::detect(),
@@ -101,7 +102,8 @@ impl Bvh {
         let mut binary = build_bvh2(&bounds, settings, &mut build_time);
         drop(bounds);
         let whole = binary.nodes[0].aabb();
-        bvh.bounds = [whole.min, whole.max].map(|v| V3::new(v.x, v.y, v.z));
+        let corners = [whole.min, whole.max].map(|v| V3::new(v.x, v.y, v.z));
+        bvh.extent = Extent::from_corners(corners);
         binary.primitive_indices.par_iter_mut().for_each(|i| *i = order[*i as usize]);
         let twigs = Twigs::new(geometry, &binary);
         drop(binary);

@@ -11,7 +11,7 @@ use std::array::from_fn;
 const MARGIN: f32 = 32.0 * ROUNDING;
 
 /// A box along the axes.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Extent {
     pub(crate) centre: V3,
     /// Half its size.
@@ -71,21 +71,16 @@ impl<P: Packet> Passing<P> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::numbers::Numbers;
 
     /// Rays aimed at points of a box meet it, wherever they start; and of those that pass it by at
     /// more than a hair's breadth none does.
     #[test]
     fn what_is_aimed_at_a_box_meets_it() {
-        let mut state = 1u64;
-        let mut next = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (state >> 40) as f32 / (1u32 << 24) as f32
-        };
+        let mut numbers = Numbers(1);
         let mut passed = 0;
         for round in 0..20_000 {
-            let mut point = |size: f32| {
-                V3::new(next() * 2.0 - 1.0, next() * 2.0 - 1.0, next() * 2.0 - 1.0) * size
-            };
+            let mut point = |size: f32| V3::from(numbers.point().as_vec3().to_array()) * size;
             let corners = [point(1.0), point(1.0)];
             let [low, high] = [corners[0].min(corners[1]), corners[0].max(corners[1])];
             let extent = Extent::from_corners([low, high]);

@@ -143,8 +143,8 @@ impl Geometry {
         self.triangles[triangle].map(|i| self.positions[i as usize])
     }
     /// The point of a triangle at barycentric weights `b` of its second and third vertex.
-    #[inline(always)]
-    pub fn triangle_surface(&self, triangle: usize, b: [f32; 2]) -> SurfacePoint {
+    #[cfg(test)]
+    pub(crate) fn triangle_surface(&self, triangle: usize, b: [f32; 2]) -> SurfacePoint {
         triangle::surface(self, triangle, b)
     }
     /// The surface at a hit of `ray`.

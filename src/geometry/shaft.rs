@@ -90,15 +90,18 @@ impl Shaft {
         Shaft { low: [0, 1, 2].map(from), high: [0, 1, 2].map(to), planes, count }
     }
 
+    /// The children that are off the shaft's own box along an axis.
+    #[inline(always)]
+    fn apart<W: Wide>(&self, node: &Node, axis: usize) -> W::Mask {
+        let [low, high] = &node.bounds[axis];
+        W::load(low).gt(W::splat(self.high[axis])) | W::load(high).lt(W::splat(self.low[axis]))
+    }
+
     /// The children that may reach into the shaft.
     #[inline(always)]
     fn test<W: Wide>(&self, node: &Node) -> u32 {
-        let mut off = W::load(&node.bounds[0][0]).gt(W::splat(self.high[0]));
-        for axis in 0..3 {
-            let [low, high] = &node.bounds[axis];
-            off = off | W::load(low).gt(W::splat(self.high[axis]));
-            off = off | W::load(high).lt(W::splat(self.low[axis]));
-        }
+        let mut off =
+            self.apart::<W>(node, 0) | self.apart::<W>(node, 1) | self.apart::<W>(node, 2);
         for plane in &self.planes[..self.count] {
             let Plane { axes: [i, j], normal, most, rows } = *plane;
             let x = W::load(&node.bounds[i % 3][rows[0] & 1]) * W::splat(normal[0]);
@@ -145,7 +148,7 @@ impl Bvh {
         leaves.0.clear();
         let Some(root) = self.root else { return true };
         if root & (PACK | QUADRIC) != 0 {
-            leaves.0.push((root, Extent::from_corners(self.bounds)));
+            leaves.0.push((root, self.extent));
             return true;
         }
         let stack = &mut stack.0;
@@ -183,16 +186,12 @@ impl Bvh {
     pub(crate) fn occluded_by<W: Wide, P: Packet>(
         &self,
         geometry: &Geometry,
-        [o, d]: [V3<P>; 2],
+        (rays, passing): (&Rays, &Passing<P>),
         t_max: f32,
         lanes: u32,
         leaves: &Leaves,
     ) -> u32 {
         let mut blocked = 0;
-        if leaves.0.is_empty() {
-            return blocked;
-        }
-        let (rays, passing) = (Rays::new(o, d), Passing::new(o, d));
         let (mut sheared, mut ready) = ([Sheared::default(); 16], 0u32);
         for (word, extent) in &leaves.0 {
             let met = passing.meet(extent, P::splat(t_max)).bits();
@@ -229,17 +228,15 @@ impl Bvh {
 mod tests {
     use super::*;
     use crate::math::lanes::{Isa, Kernel, dispatch};
+    use crate::math::numbers::Numbers;
     use crate::scene::{Material, Mesh, Scene, SceneBuilder};
-    use glam::{DAffine3, DVec3};
+    use glam::DAffine3;
 
     /// Small triangles all over, some spheres, and a long one: nothing of it a plate.
-    fn clutter(next: &mut dyn FnMut() -> f32) -> Scene {
+    fn clutter(numbers: &mut Numbers) -> Scene {
         let mut b = SceneBuilder::new("clutter");
         let clay = b.material(Material::reflecting("clay", [0.5; 3], [0.0; 3], 1.0).unwrap());
-        let mut point = |size: f32| {
-            let mut x = || f64::from((next() * 2.0 - 1.0) * size);
-            DVec3::new(x(), x(), x())
-        };
+        let mut point = |size: f64| numbers.point() * size;
         let mut soup = Mesh::default();
         for _ in 0..4000 {
             let p = point(1.0);
@@ -278,7 +275,8 @@ mod tests {
                 }
                 let [x, y, z] = &columns;
                 let o = V3::new(P::load(x), P::load(y), P::load(z));
-                let rays = [o, p.splat_lanes::<P>() - o];
+                let d = p.splat_lanes::<P>() - o;
+                let rays = (&Rays::new(o, d), &Passing::new(o, d));
                 let found = bvh.occluded_by::<W, P>(geometry, rays, END, u32::MAX, &leaves);
                 let all = if P::WIDTH == 32 { u32::MAX } else { (1 << P::WIDTH) - 1 };
                 blocked |= (found & all) << at;
@@ -290,19 +288,13 @@ mod tests {
 
     #[test]
     fn rays_of_a_shaft_meet_what_each_meets_by_itself() {
-        let mut state = 9u64;
-        let mut next = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (state >> 40) as f32 / (1u32 << 24) as f32
-        };
-        let scene = clutter(&mut next);
+        let mut numbers = Numbers(9);
+        let scene = clutter(&mut numbers);
         let (bvh, geometry) = (scene.bvh(), scene.geometry());
         let mut stack = bvh.stack();
         let (mut done, mut blocked) = ([0; 2], 0);
         for round in 0..2000 {
-            let mut point = |size: f32| {
-                V3::new(next() * 2.0 - 1.0, next() * 2.0 - 1.0, next() * 2.0 - 1.0) * size
-            };
+            let mut point = |size: f32| V3::from(numbers.point().as_vec3().to_array()) * size;
             let (centre, mut p) = (point(0.9), point(0.9));
             let half = point([0.01, 0.05, 0.2][round % 3]).abs();
             // The point may lie within the box's reach along an axis, or in the box.

@@ -1,6 +1,7 @@
 //! One ray through the tree: the nearest hit, or whether there is any.
 
 use super::bvh::{Bvh, Child, Node, child};
+use super::extent::Passing;
 use super::offset::ROUNDING;
 use super::plates::Plates;
 use super::stream::Streams;
@@ -341,24 +342,10 @@ impl Bvh {
 
     /// Which of the rays may meet what is in the tree before `t_max`.
     #[inline(always)]
-    pub(crate) fn meets_tree<P: Packet>(&self, o: V3<P>, d: V3<P>, t_max: P) -> P::Mask {
+    pub(crate) fn meets_tree<P: Packet>(&self, rays: &Passing<P>, t_max: P) -> P::Mask {
         if self.root.is_none() {
             return P::mask(0);
         }
-        let margin = (o.abs().max_component() + P::splat(1.0)) * P::splat(64.0 * ROUNDING);
-        let [low, high] = self.bounds;
-        let sides =
-            [(o.x, d.x, low.x, high.x), (o.y, d.y, low.y, high.y), (o.z, d.z, low.z, high.z)];
-        let (mut enter, mut leave) = (P::splat(0.0), t_max);
-        for (o, d, low, high) in sides {
-            let inverse = P::splat(1.0) / d;
-            let a = (P::splat(low) - margin - o) * inverse;
-            let b = (P::splat(high) + margin - o) * inverse;
-            // A ray within the plane of a side gives no number: then the other bound counts.
-            enter = a.min(b).max(enter);
-            leave = a.max(b).min(leave);
-        }
-        // Distances are rounded too.
-        enter.le(leave * P::splat(1.0 + 8.0 * f32::EPSILON))
+        rays.meet(&self.extent, t_max)
     }
 }

@@ -5,8 +5,11 @@
 pub(crate) mod columns;
 pub mod frame;
 pub mod lanes;
+#[cfg(test)]
+pub(crate) mod numbers;
 pub mod sequence;
 pub mod special;
+pub(crate) mod table;
 pub mod vec;
 pub mod warp;
 

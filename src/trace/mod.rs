@@ -13,7 +13,6 @@ mod lights;
 mod reference;
 mod roulette;
 mod rules;
-mod table;
 
 use crate::brdf::{Erratum, Lobes, Model, Normals};
 use crate::geometry::Stack;

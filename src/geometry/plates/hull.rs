@@ -10,6 +10,7 @@ use super::{Line, Plate, PlateHits, Way, dot};
 use crate::geometry::Geometry;
 use crate::math::V3;
 use crate::math::lanes::{Bits, Mask, Packet};
+use crate::math::table::Table;
 use glam::DVec3;
 
 /// Most planes.
@@ -31,40 +32,37 @@ const FAR_OUT: f32 = -1e30;
 pub(super) struct Hull {
     /// Outward normals and their products with the points of the planes.
     facets: Vec<(V3, f32)>,
-    /// One plate of each facet, by number.
-    first: Box<Table>,
+    /// One plate of each facet.
+    first: Table<FIELDS>,
     /// Facets and the other plates in them.
     others: Vec<(u32, u32)>,
 }
 
-/// Numbers of up to sixteen plates, to be looked up.
-#[derive(Clone, Debug, Default)]
-struct Table {
-    edges: [LineTable; 4],
-    diagonal: LineTable,
-    slenderness: [f32; 16],
-    /// As bits: the plate, and its triangles.
-    names: [[f32; 16]; 3],
+/// Numbers of a plate, to be looked up: four edges and the diagonal, `m` and `c` of each; its
+/// slenderness; and as bits its own number and those of its triangles.
+const FIELDS: usize = 24;
+
+fn record(at: u32, plate: &Plate) -> [f32; FIELDS] {
+    // Of a lone triangle every point is on the near side.
+    let none = Line { m: V3::default(), c: -FAR_OUT };
+    let [a, b, c, d] = plate.sides.lines();
+    let mut record = [0.0; FIELDS];
+    for (place, Line { m, c }) in
+        record.chunks_exact_mut(4).zip([a, b, c, d, plate.diagonal.unwrap_or(none)])
+    {
+        place.copy_from_slice(&[m.x, m.y, m.z, c]);
+    }
+    let [first, second] = plate.triangles;
+    record[20] = plate.slenderness;
+    record[21..].copy_from_slice(&[at, first, second].map(f32::from_bits));
+    record
 }
 
-#[derive(Clone, Debug, Default)]
-struct LineTable([[f32; 16]; 4]);
-
-impl LineTable {
-    fn set(&mut self, at: usize, line: Line) {
-        let Line { m, c } = line;
-        for (row, x) in self.0.iter_mut().zip([m.x, m.y, m.z, c]) {
-            row[at] = x;
-        }
-    }
-
-    #[inline(always)]
-    fn across<P: Packet>(&self, which: P::Bits, x: V3<P>) -> P {
-        let [a, b, c, d] = &self.0;
-        let m = V3::new(P::lookup(a, which), P::lookup(b, which), P::lookup(c, which));
-        let y = x.y.mul_add(m.y, x.x * m.x);
-        x.z.mul_add(m.z, y) - P::lookup(d, which)
-    }
+/// How far points are across the lines with these numbers.
+#[inline(always)]
+fn across<P: Packet>(line: &[P], x: V3<P>) -> P {
+    let y = x.y.mul_add(line[1], x.x * line[0]);
+    x.z.mul_add(line[2], y) - line[3]
 }
 
 impl Hull {
@@ -75,7 +73,7 @@ impl Hull {
         }
         let centre = geometry.positions.iter().map(|p| wide(*p)).sum::<DVec3>()
             / geometry.positions.len().max(1) as f64;
-        let mut hull = Hull { facets: Vec::new(), first: Box::default(), others: Vec::new() };
+        let (mut facets, mut first, mut others) = (Vec::new(), Vec::new(), Vec::new());
         for &at in outer {
             let plate = &plates[at as usize];
             let corners = plate.triangles.map(|i| geometry.corners(i as usize));
@@ -83,31 +81,19 @@ impl Hull {
                 let height = |p: &V3| (wide(*n).dot(wide(*p)) - f64::from(*d)).abs();
                 corners.iter().flatten().all(|p| height(p) <= FLAT)
             };
-            if let Some(facet) = hull.facets.iter().position(within) {
-                hull.others.push((facet as u32, at));
+            if let Some(facet) = facets.iter().position(within) {
+                others.push((facet as u32, at));
                 continue;
             }
-            let number = hull.facets.len();
-            if number == FACETS {
+            if facets.len() == FACETS {
                 return None;
             }
             let n = wide(plate.n);
             let outwards = if n.dot(centre) > f64::from(plate.d) { -1.0 } else { 1.0 };
-            hull.facets.push((narrow(n * outwards), plate.d * outwards as f32));
-            let Table { edges, diagonal, slenderness, names } = &mut *hull.first;
-            for (table, line) in edges.iter_mut().zip(plate.sides.lines()) {
-                table.set(number, line);
-            }
-            // Of a lone triangle every point is on the near side.
-            let none = Line { m: V3::default(), c: -FAR_OUT };
-            diagonal.set(number, plate.diagonal.unwrap_or(none));
-            slenderness[number] = plate.slenderness;
-            let [a, b] = plate.triangles;
-            for (row, name) in names.iter_mut().zip([at, a, b]) {
-                row[number] = f32::from_bits(name);
-            }
+            facets.push((narrow(n * outwards), plate.d * outwards as f32));
+            first.push(record(at, plate));
         }
-        Some(hull)
+        Some(Hull { facets, first: Table::new(first), others })
     }
 
     /// Takes down what rays meet of the hull, before anything else; false, and nothing is done, if
@@ -148,15 +134,15 @@ impl Hull {
             let this = P::equal_bits(facet, P::Bits::splat(k as u32));
             rest = P::select(this, rest, left.min(rest));
         }
-        let Table { edges, diagonal, slenderness, names } = &*self.first;
-        let mut inside = edges[0].across(facet, x);
-        for edge in &edges[1..] {
-            inside = edge.across(facet, x).min(inside);
+        let found = self.first.get::<P>(facet);
+        let mut inside = across(&found[..4], x);
+        for edge in found[4..16].chunks_exact(4) {
+            inside = across(edge, x).min(inside);
         }
-        let mut second = diagonal.across(facet, x);
-        let mut within = band * P::lookup(slenderness, facet);
-        let [mut plate, mut near, mut far] =
-            [0, 1, 2].map(|i: usize| P::lookup(&names[i], facet).to_bits());
+        let mut second = across(&found[16..20], x);
+        let mut within = band * found[20];
+        let (mut plate, mut near, mut far) =
+            (found[21].to_bits(), found[22].to_bits(), found[23].to_bits());
         // The next best of a facet's plates.
         let mut next = P::splat(FAR_OUT);
         for &(there, at) in &self.others {
@@ -166,16 +152,15 @@ impl Hull {
             let better = depth.gt(inside);
             next = next.max(depth.min(inside));
             inside = inside.max(depth);
-            let across = match &other.diagonal {
+            let beyond = match &other.diagonal {
                 Some(diagonal) => diagonal.across(x),
                 None => P::splat(FAR_OUT),
             };
-            second = P::select(better, across, second);
+            second = P::select(better, beyond, second);
             within = P::select(better, band * P::splat(other.slenderness), within);
-            let names = [at, other.triangles[0], other.triangles[1]].map(P::Bits::splat);
-            plate = P::select_bits(better, names[0], plate);
-            near = P::select_bits(better, names[1], near);
-            far = P::select_bits(better, names[2], far);
+            plate = P::select_bits(better, P::Bits::splat(at), plate);
+            near = P::select_bits(better, P::Bits::splat(other.triangles[0]), near);
+            far = P::select_bits(better, P::Bits::splat(other.triangles[1]), far);
         }
         let leaves = !P::equal_bits(facet, P::Bits::splat(NONE));
         let own = P::equal_bits(from, plate);

@@ -1,5 +1,6 @@
-//! The few large flat faces of a scene: tried one after the other by as many rays at a time as a
-//! register holds. Walls, floors and boxes are met by nearly every ray, and a tree only delays that.
+//! The few large flat faces of a scene: tried by as many rays at a time as a register holds, those of
+//! the hull as one, those that lie together only if a ray meets the box around them. Walls, floors
+//! and boxes are met by nearly every ray, and a tree only delays that.
 //!
 //! A quick test decides where it is sure: by more than all roundings of its own and of the
 //! [exact one](super::triangle). Rays that pass too near an edge, or through two faces at nearly the
@@ -169,7 +170,12 @@ impl Plates {
 
     /// The nearest plates that rays meet, but for the one each leaves from.
     #[inline(always)]
-    pub(crate) fn closest<P: Packet>(&self, o: V3<P>, d: V3<P>, from: P::Bits) -> PlateHits<P> {
+    pub(crate) fn closest<P: Packet>(
+        &self,
+        (o, d): (V3<P>, V3<P>),
+        passing: &Passing<P>,
+        from: P::Bits,
+    ) -> PlateHits<P> {
         let clearance = clearance(o, d);
         let mut hits = PlateHits {
             t: P::splat(f32::INFINITY),
@@ -185,10 +191,6 @@ impl Plates {
         for &at in outer.iter().chain(&self.lone) {
             self.take_nearer(at, &mut hits, (o, d), from, clearance);
         }
-        if self.clusters.is_empty() {
-            return hits;
-        }
-        let passing = Passing::new(o, d);
         for cluster in &self.clusters {
             if passing.meet(&cluster.extent, hits.t + hits.within).any() {
                 for &at in &cluster.plates {
@@ -239,9 +241,8 @@ impl Plates {
     #[inline(always)]
     pub(crate) fn occluded<P: Packet>(
         &self,
-        o: V3<P>,
-        d: V3<P>,
-        t_max: P,
+        (o, d, t_max): (V3<P>, V3<P>, P),
+        passing: &Passing<P>,
         ends: [P::Bits; 2],
         mut live: P::Mask,
         between: bool,
@@ -252,15 +253,12 @@ impl Plates {
         for &at in self.lone.iter().chain(outer) {
             live = live & !self.shade(at, &mut shadow, (o, d, t_max), ends, clearance);
         }
-        if !self.clusters.is_empty() {
-            let passing = Passing::new(o, d);
-            for cluster in &self.clusters {
-                if !(passing.meet(&cluster.extent, t_max) & live).any() {
-                    continue;
-                }
-                for &at in &cluster.plates {
-                    live = live & !self.shade(at, &mut shadow, (o, d, t_max), ends, clearance);
-                }
+        for cluster in &self.clusters {
+            if !(passing.meet(&cluster.extent, t_max) & live).any() {
+                continue;
+            }
+            for &at in &cluster.plates {
+                live = live & !self.shade(at, &mut shadow, (o, d, t_max), ends, clearance);
             }
         }
         [shadow.blocked, shadow.open & !shadow.blocked]

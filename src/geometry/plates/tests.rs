@@ -3,22 +3,11 @@
 use super::pick::narrow;
 use super::*;
 use crate::geometry::{Hit, Ray, offset_origin, resolve};
-use crate::math::lanes::{Isa, Kernel, Wide, dispatch};
+use crate::math::lanes::{F32x8, Isa, Kernel, Wide, dispatch};
+use crate::math::numbers::Numbers;
 use crate::scene::builtin::EXAMPLES;
 use crate::scene::{Material, Mesh, Scene, SceneBuilder};
 use glam::{DAffine3, DVec3};
-
-/// Numbers in [0, 1) in an order without pattern.
-struct Numbers(u64);
-impl Numbers {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-    fn point(&mut self) -> DVec3 {
-        DVec3::new(self.next(), self.next(), self.next()) * 2.0 - 1.0
-    }
-}
 
 /// A closed room with boxes in it, turned, and loose triangles that cut through them.
 fn room(numbers: &mut Numbers) -> Scene {
@@ -72,10 +61,12 @@ impl Kernel for Quick<'_> {
                 let o = V3::new(column(&|r| r.0.o.x), column(&|r| r.0.o.y), column(&|r| r.0.o.z));
                 let d = V3::new(column(&|r| r.0.d.x), column(&|r| r.0.d.y), column(&|r| r.0.d.z));
                 let t_max = column(&|r| r.1);
-                let hits = plates.closest::<P>(o, d, ends[0]);
+                let passing = Passing::new(o, d);
+                let hits = plates.closest::<P>((o, d), &passing, ends[0]);
                 let between = (t_max.lt(P::splat(f32::INFINITY))).all();
                 let all = P::mask(u32::MAX);
-                let [blocked, unsure] = plates.occluded::<P>(o, d, t_max, ends, all, between);
+                let [blocked, unsure] =
+                    plates.occluded::<P>((o, d, t_max), &passing, ends, all, between);
                 let (mut plate, mut triangle) = ([0; 16], [0; 16]);
                 P::store_bits(hits.plate, &mut plate);
                 P::store_bits(hits.triangle, &mut triangle);
@@ -163,8 +154,14 @@ fn check(scene: &Scene, numbers: &mut Numbers) {
     let (bvh, geometry) = (scene.bvh(), scene.geometry());
     let rays = rays(scene, numbers);
     let mut stack = bvh.stack();
-    for isa in Isa::available() {
-        let answers = dispatch(isa, Quick { scene, rays: &rays });
+    // One ray at a time besides, as where there are no registers.
+    let sets = Isa::available().into_iter().map(Some).chain([None]);
+    for isa in sets {
+        let quick = Quick { scene, rays: &rays };
+        let answers = match isa {
+            Some(isa) => dispatch(isa, quick),
+            None => quick.run::<F32x8, f32>(),
+        };
         assert_eq!(answers.len(), rays.len());
         let (mut open, mut unsure) = (0, 0);
         for ((ray, t_max, _), (hit, is_open, [blocked, is_unsure])) in rays.iter().zip(answers) {

@@ -1,7 +1,7 @@
 //! What rays meet, and which lights are seen: plates by the register, the tree for the rest.
 
 use super::{Bundle, Sums, lowest};
-use crate::geometry::{Hit, NO_PLATE, Query, Ray, Stack};
+use crate::geometry::{Hit, NO_PLATE, Passing, Query, Ray, Stack};
 use crate::math::lanes::{Mask, Packet, Wide};
 use crate::trace::Tracer;
 
@@ -20,11 +20,12 @@ impl Tracer {
         asked.clear();
         for at in (0..count).step_by(P::WIDTH) {
             let (o, d) = (paths.o.load::<P>(at), paths.d.load::<P>(at));
-            let hits = plates.closest::<P>(o, d, paths.plate.load::<P>(at));
+            let passing = Passing::new(o, d);
+            let hits = plates.closest::<P>((o, d), &passing, paths.plate.load::<P>(at));
             met.on_plates::<P>(at, &hits);
             let live = P::mask(lowest(count - at));
             let open = (hits.open & live).bits();
-            let mut others = (bvh.meets_tree(o, d, hits.t + hits.within) & live).bits() | open;
+            let mut others = (bvh.meets_tree(&passing, hits.t + hits.within) & live).bits() | open;
             if others == 0 {
                 continue;
             }
@@ -85,8 +86,10 @@ impl Tracer {
             let ends = [shadows.plates[0].load::<P>(at), shadows.plates[1].load::<P>(at)];
             let live = P::mask(lowest(shadows.count - at));
             let between = (t_max.lt(P::splat(f32::INFINITY)) | !live).all();
-            let [blocked, open] = bvh.plates().occluded::<P>(o, d, t_max, ends, live, between);
-            let tree = bvh.meets_tree(o, d, t_max).bits();
+            let passing = Passing::new(o, d);
+            let ray = (o, d, t_max);
+            let [blocked, open] = bvh.plates().occluded::<P>(ray, &passing, ends, live, between);
+            let tree = bvh.meets_tree(&passing, t_max).bits();
             let (open, mut lit) = (open.bits(), (live & !blocked).bits());
             let mut unsure = lit & (open | tree);
             alone += u64::from(unsure.count_ones());

@@ -7,9 +7,9 @@ use crate::geometry::{
 };
 use crate::math::columns::{Column, Columns3};
 use crate::math::lanes::{Bits, Lane, Mask, Packet};
+use crate::math::table::Table;
 use crate::math::{Rgb, V3};
 use crate::scene::Material;
-use crate::trace::table::Table;
 
 /// Kd; Ks; alpha; a_p; emission; whether it reflects.
 const FIELDS: usize = 12;

@@ -18,9 +18,9 @@ mod tree;
 pub(super) use estimate::Receiver;
 pub(super) use shapes::{Asked, SHADOW_END};
 
-use super::table::Table;
 use crate::geometry::{Extent, Geometry, Kind, NO_PLATE, Passing};
 use crate::math::lanes::{Bits, Lane, Packet};
+use crate::math::table::Table;
 use crate::math::{Rgb, V3, warp};
 use crate::scene::{Material, Scene};
 use estimate::Bound;

@@ -9,7 +9,7 @@ use super::estimate::{Bound, FIELDS, Receiver};
 use super::{ALMOST_ONE, Choice};
 use crate::math::V3;
 use crate::math::lanes::{Bits, Mask, Packet};
-use crate::trace::table::Table;
+use crate::math::table::Table;
 use std::f32::consts::{FRAC_PI_2, PI};
 
 /// A link with this bit names a light.

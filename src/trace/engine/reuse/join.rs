@@ -2,7 +2,7 @@
 
 use super::super::{Bundle, lowest};
 use super::{Firsts, Runs};
-use crate::geometry::{Leaves, Query, Rays, Shaft, Stack, offset_origin};
+use crate::geometry::{Leaves, Passing, Query, Rays, Shaft, Stack, offset_origin};
 use crate::math::V3;
 use crate::math::columns::Columns3;
 use crate::math::lanes::{Bits, Mask, Packet, Wide};
@@ -97,7 +97,8 @@ impl Tracer {
                     bvh.plates().occluded_by::<P>(between, o, d, t_max, ends, live);
                 let clear = (live & !blocked).bits();
                 let open = open.bits() & clear;
-                let through_tree = bvh.meets_tree(o, d, t_max).bits() & clear & !open;
+                let passing = Passing::new(o, d);
+                let through_tree = bvh.meets_tree(&passing, t_max).bits() & clear & !open;
                 let mut free = clear & !(open | through_tree);
                 if open | through_tree != 0 {
                     effort.alone += u64::from(open.count_ones());
@@ -114,7 +115,7 @@ impl Tracer {
                         bvh.look_up::<W>(&shaft, stack, &mut leaves)
                     };
                     if together {
-                        let rays = [o, d];
+                        let rays = (&rays, &passing);
                         free |= through_tree
                             & !bvh.occluded_by::<W, P>(
                                 geometry,

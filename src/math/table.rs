@@ -1,44 +1,44 @@
 //! Small tables read by many lanes at once, each with an index of its own.
 
-use crate::math::lanes::Packet;
+use super::lanes::Packet;
 use std::array::from_fn;
 
 /// Records of `N` numbers each. Up to sixteen are kept by field and read within registers; of more,
 /// each lane's record is fetched by itself.
-#[derive(Debug)]
-pub(super) struct Table<const N: usize> {
+#[derive(Clone, Debug)]
+pub(crate) struct Table<const N: usize> {
     records: Vec<[f32; N]>,
     by_field: Option<Box<[[f32; 16]; N]>>,
 }
 
 impl<const N: usize> Table<N> {
-    pub(super) fn new(records: Vec<[f32; N]>) -> Table<N> {
+    pub(crate) fn new(records: Vec<[f32; N]>) -> Table<N> {
         let by_field = (records.len() <= 16).then(|| {
             Box::new(from_fn(|field| from_fn(|i| records.get(i).map_or(0.0, |r| r[field]))))
         });
         Table { records, by_field }
     }
 
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.records.len()
     }
 
     /// One record.
     #[inline(always)]
-    pub(super) fn record(&self, index: usize) -> &[f32; N] {
+    pub(crate) fn record(&self, index: usize) -> &[f32; N] {
         &self.records[index]
     }
 
     /// The records that the lanes name. What an index beyond the table gives is of no use, but
     /// gives no fault either.
     #[inline(always)]
-    pub(super) fn get<P: Packet>(&self, index: P::Bits) -> [P; N] {
+    pub(crate) fn get<P: Packet>(&self, index: P::Bits) -> [P; N] {
         self.get_some(index, u32::MAX)
     }
 
     /// The records that these lanes name; the others' are anything.
     #[inline(always)]
-    pub(super) fn get_some<P: Packet>(&self, index: P::Bits, lanes: u32) -> [P; N] {
+    pub(crate) fn get_some<P: Packet>(&self, index: P::Bits, lanes: u32) -> [P; N] {
         let mut found = [P::splat(0.0); N];
         if let Some(fields) = &self.by_field {
             for (found, field) in found.iter_mut().zip(fields.iter()) {
