@@ -45,11 +45,11 @@ fn leaks(scene: &Scene, origins: u32, random: u32, r: &mut Random) -> (u64, u64)
         } else {
             v3(DVec3::from_array(r.direction()) * r.within(0.0, 0.45))
         };
-        for &p in &g.positions {
+        for p in g.vertices().iter().map(|v| V3::from(v.position)) {
             shoot(o, p - o);
         }
-        for t in &g.triangles {
-            let [a, b, c] = t.map(|i| g.positions[i as usize]);
+        for t in 0..g.faces().len() {
+            let [a, b, c] = g.corners(t);
             let f = r.unit();
             shoot(o, a + (b - a) * f - o);
             shoot(o, (b + c) * 0.5 - o);
@@ -102,7 +102,7 @@ fn brute_force(scene: &Scene, ray: &Ray) -> Option<(f64, u32)> {
             best = Some((t, id));
         }
     };
-    for i in 0..g.triangles.len() {
+    for i in 0..g.faces().len() {
         let [a, b, c] = g.corners(i).map(d3);
         let (e, f) = (b - a, c - a);
         let p = d.cross(f);
@@ -120,12 +120,12 @@ fn brute_force(scene: &Scene, ray: &Ray) -> Option<(f64, u32)> {
         let (a, b) = (d.dot(d), f.dot(d));
         let disc = b * b - a * (f.dot(f) - (s.radius as f64).powi(2));
         if disc >= 0.0 {
-            offer((-b - disc.sqrt()) / a, (g.triangles.len() + i) as u32);
-            offer((-b + disc.sqrt()) / a, (g.triangles.len() + i) as u32);
+            offer((-b - disc.sqrt()) / a, (g.faces().len() + i) as u32);
+            offer((-b + disc.sqrt()) / a, (g.faces().len() + i) as u32);
         }
     }
     for (i, c) in g.cylinders.iter().enumerate() {
-        let id = (g.triangles.len() + g.spheres.len() + i) as u32;
+        let id = (g.faces().len() + g.spheres.len() + i) as u32;
         let n = d3(c.axis()).normalize();
         let (h, r) = (c.height as f64, c.radius as f64);
         let f = o - d3(c.base);
@@ -354,7 +354,7 @@ fn seam(g: &burnish::geometry::Geometry, r: &mut Random) -> V3 {
         let (sin, cos) = (r.unit() * std::f32::consts::TAU).sin_cos();
         return cylinder.cap_point(cos, sin, r.bits().is_multiple_of(2));
     }
-    match g.triangles.len() as u32 {
+    match g.faces().len() as u32 {
         0 => v3(DVec3::from_array(r.direction())),
         n => {
             let [a, b, _] = g.corners((r.bits() % n) as usize);

@@ -17,7 +17,7 @@ const MAY_KNOW: [(&str, &[&str]); 9] = [
 ];
 
 /// Foreign names with the only places that may use them.
-const ONE_PLACE: [(&str, &[&str]); 21] = [
+const ONE_PLACE: [(&str, &[&str]); 23] = [
     ("obvhs", &["src/geometry/bvh.rs", "src/geometry/treelets.rs", "src/geometry/widen.rs"]),
     ("tobj", &["src/scene/read/"]),
     ("ply_rs_bw", &["src/scene/read/ply"]),
@@ -26,6 +26,8 @@ const ONE_PLACE: [(&str, &[&str]); 21] = [
     ("png::", &["src/picture/files.rs"]),
     ("exr::", &["src/picture/files.rs"]),
     ("sha2::", &["src/scene/read/files.rs"]),
+    ("memmap2", &["src/geometry/pages.rs"]),
+    ("bytemuck", &["src/geometry/"]),
     ("rayon", &["src/progressive/work.rs", "src/geometry/", "src/scene/weld.rs"]),
     ("crossbeam_channel", &["src/progressive/"]),
     ("egui", &["src/viewer/"]),

@@ -88,8 +88,8 @@ fn shipped_scenes_come_back_with_all_their_edits_wherever_they_are_saved() {
         assert_eq!(back.counts(), scene.counts());
         assert_eq!(back.bounds(), scene.bounds());
         assert_eq!(back.environment(), scene.environment());
-        assert_eq!(back.geometry().positions, scene.geometry().positions);
-        assert_eq!(back.geometry().material_of, scene.geometry().material_of);
+        assert_eq!(back.geometry().vertices(), scene.geometry().vertices());
+        assert_eq!(back.geometry().faces(), scene.geometry().faces());
         // Only lines that say what was edited differ.
         let old = scene.source().text.clone().unwrap();
         assert_eq!(old.lines().count(), text.lines().count());

@@ -1,6 +1,7 @@
 //! The tree: built by obvhs as a binary one, then widened to eight children a node.
 
 use super::extent::Extent;
+use super::pages::Pages;
 use super::plates::Plates;
 use super::treelets;
 use super::triangle::Pack;
@@ -8,6 +9,7 @@ use super::widen::Twigs;
 use super::{Geometry, Kind};
 use crate::math::V3;
 use crate::math::lanes::Isa;
+use bytemuck::{Pod, Zeroable};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::builder::build_bvh2;
@@ -15,8 +17,8 @@ use rayon::prelude::*;
 use std::time::Duration;
 
 /// Bounds of eight children by component, and what they are.
-#[derive(Clone, Debug)]
-#[repr(align(32))]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, align(32))]
 pub(super) struct Node {
     /// By axis the low planes and the high ones. An absent child has low above high.
     pub bounds: [[[f32; 8]; 2]; 3],
@@ -56,8 +58,8 @@ pub(super) fn child(word: u32) -> Child {
 /// An eight-wide tree over all primitives of a [`Geometry`].
 #[derive(Debug)]
 pub struct Bvh {
-    pub(super) nodes: Vec<Node>,
-    pub(super) packs: Vec<Pack>,
+    pub(super) nodes: Pages<Node>,
+    pub(super) packs: Pages<Pack>,
     pub(super) root: Option<u32>,
     /// Around all that is in the tree; of no meaning where there is nothing.
     pub(super) extent: Extent,
@@ -74,8 +76,8 @@ impl Bvh {
         let plates = Plates::new(geometry);
         let large: Vec<u32> = plates.triangles().collect();
         let mut bvh = Bvh {
-            nodes: Vec::new(),
-            packs: Vec::new(),
+            nodes: Pages::default(),
+            packs: Pages::default(),
             root: None,
             extent: Extent::default(),
             large: large.chunks(8).map(|ids| Pack::of(geometry, ids)).collect(),

@@ -9,6 +9,7 @@ mod bvh;
 mod cylinder;
 mod extent;
 mod offset;
+mod pages;
 mod plates;
 mod shaft;
 mod sphere;
@@ -31,23 +32,41 @@ pub use traverse::{Ray, Stack};
 pub(crate) use triangle::{flat_surface, resolve, shading_normal};
 
 use crate::math::V3;
+use bytemuck::{Pod, Zeroable};
+use pages::Pages;
 use std::ops::Range;
 
 /// All shapes of a scene. Primitives are numbered triangles first, then spheres, then cylinders.
 #[derive(Debug, Default)]
 pub struct Geometry {
-    /// Vertex positions.
-    pub positions: Vec<V3>,
-    /// Unit shading normal of each vertex; zero where the face's is to be used.
-    pub normals: Vec<V3>,
-    /// Three vertices a triangle.
-    pub triangles: Vec<[u32; 3]>,
+    vertices: Pages<Vertex>,
+    faces: Pages<Face>,
     /// Exact spheres.
     pub spheres: Vec<Sphere>,
     /// Exact capped cylinders.
     pub cylinders: Vec<Cylinder>,
-    /// One material a primitive.
-    pub material_of: Vec<u32>,
+    /// Of spheres and then cylinders.
+    materials: Vec<u32>,
+}
+
+/// A corner of triangles.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Vertex {
+    /// Where it is.
+    pub position: [f32; 3],
+    /// Unit shading normal; zero where the face's is to be used.
+    pub normal: [f32; 3],
+}
+
+/// A triangle. What a hit wants to know of it is side by side in memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Face {
+    /// Indices of its corners.
+    pub vertices: [u32; 3],
+    /// Index of its material.
+    pub material: u32,
 }
 
 /// Consecutive primitives.
@@ -106,9 +125,36 @@ pub struct SurfacePoint<L = f32> {
 }
 
 impl Geometry {
+    /// Of these shapes. Indices of corners must be below the number of vertices; `materials` has
+    /// one for each sphere and then for each cylinder.
+    pub fn new(
+        vertices: impl ExactSizeIterator<Item = Vertex>,
+        faces: impl ExactSizeIterator<Item = Face>,
+        (spheres, cylinders): (Vec<Sphere>, Vec<Cylinder>),
+        materials: Vec<u32>,
+    ) -> Geometry {
+        let mut geometry = Geometry {
+            vertices: Pages::zeroed(vertices.len()),
+            faces: Pages::zeroed(faces.len()),
+            spheres,
+            cylinders,
+            materials,
+        };
+        geometry.vertices.iter_mut().zip(vertices).for_each(|(place, vertex)| *place = vertex);
+        geometry.faces.iter_mut().zip(faces).for_each(|(place, face)| *place = face);
+        geometry
+    }
+    /// Corners of triangles.
+    pub fn vertices(&self) -> &[Vertex] {
+        &self.vertices
+    }
+    /// Triangles.
+    pub fn faces(&self) -> &[Face] {
+        &self.faces
+    }
     /// Number of primitives.
     pub fn len(&self) -> usize {
-        self.triangles.len() + self.spheres.len() + self.cylinders.len()
+        self.faces.len() + self.spheres.len() + self.cylinders.len()
     }
     /// True without any primitive.
     pub fn is_empty(&self) -> bool {
@@ -116,18 +162,17 @@ impl Geometry {
     }
     /// Bytes held by positions, normals, indices, materials and exact shapes.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.positions[..])
-            + size_of_val(&self.normals[..])
-            + size_of_val(&self.triangles[..])
+        size_of_val(&self.vertices[..])
+            + size_of_val(&self.faces[..])
             + size_of_val(&self.spheres[..])
             + size_of_val(&self.cylinders[..])
-            + size_of_val(&self.material_of[..])
+            + size_of_val(&self.materials[..])
     }
     /// Which shape a primitive index names; it must be below [`Geometry::len`].
     #[inline(always)]
     pub fn kind(&self, primitive: u32) -> Kind {
         let i = primitive as usize;
-        let spheres = self.triangles.len();
+        let spheres = self.faces.len();
         let cylinders = spheres + self.spheres.len();
         if i < spheres {
             Kind::Triangle(i)
@@ -137,10 +182,17 @@ impl Geometry {
             Kind::Cylinder(i - cylinders)
         }
     }
+    /// Index of a primitive's material; it must be below [`Geometry::len`].
+    #[inline(always)]
+    pub fn material(&self, primitive: u32) -> u32 {
+        let (faces, i) = (&self.faces[..], primitive as usize);
+        faces.get(i).map_or_else(|| self.materials[i - faces.len()], |face| face.material)
+    }
     /// The corners of a triangle.
     #[inline(always)]
     pub fn corners(&self, triangle: usize) -> [V3; 3] {
-        self.triangles[triangle].map(|i| self.positions[i as usize])
+        let vertices = &self.vertices[..];
+        self.faces[triangle].vertices.map(|i| V3::from(vertices[i as usize].position))
     }
     /// The point of a triangle at barycentric weights `b` of its second and third vertex.
     #[cfg(test)]

@@ -151,14 +151,15 @@ impl Bvh {
             leaves.0.push((root, self.extent));
             return true;
         }
+        let nodes = &self.nodes[..];
         let stack = &mut stack.0;
         stack[0].1 = root;
-        let (mut top, mut nodes) = (1, 0);
+        let (mut top, mut visited) = (1, 0);
         while top > 0 {
             top -= 1;
-            let node = &self.nodes[stack[top].1 as usize];
+            let node = &nodes[stack[top].1 as usize];
             let mut mask = shaft.test::<W>(node);
-            nodes += 1;
+            visited += 1;
             while mask != 0 {
                 let at = mask.trailing_zeros() as usize;
                 let word = node.child[at];
@@ -174,7 +175,7 @@ impl Bvh {
                     top += 1;
                 }
             }
-            if leaves.0.len() > MOST_LEAVES || nodes > MOST_NODES {
+            if leaves.0.len() > MOST_LEAVES || visited > MOST_NODES {
                 return false;
             }
         }
@@ -191,6 +192,7 @@ impl Bvh {
         lanes: u32,
         leaves: &Leaves,
     ) -> u32 {
+        let packs = &self.packs[..];
         let mut blocked = 0;
         let (mut sheared, mut ready) = ([Sheared::default(); 16], 0u32);
         for (word, extent) in &leaves.0 {
@@ -209,7 +211,7 @@ impl Bvh {
                 }
                 let hit = match child(*word) {
                     Child::Pack(at) => {
-                        let pack = &self.packs[at];
+                        let pack = &packs[at];
                         triangle::intersect::<W>(pack, &sheared[lane], t_max).is_some()
                     }
                     Child::Quadric(primitive) => {

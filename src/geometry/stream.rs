@@ -257,6 +257,7 @@ impl<G: Goal> Each<'_, G> {
     #[inline(always)]
     fn in_turn<W: Wide>(self) {
         let Each { bvh, geometry, queries, plates, stack, answers } = self;
+        let (nodes, packs) = (&bvh.nodes[..], &bvh.packs[..]);
         let Streams { travellers, enter: distances, words } = &mut stack.1;
         let mut source = Source::<G> { bvh, queries, plates, next: 0, goal: PhantomData };
         let mut groups = [Lists::default(); 2];
@@ -273,7 +274,7 @@ impl<G: Goal> Each<'_, G> {
                 let (mut quadrics, mut sent) = (List::default(), List::default());
                 for who in lists.nodes.iter() {
                     let traveller = &mut travellers[who];
-                    let node = &bvh.nodes[traveller.word as usize];
+                    let node = &nodes[traveller.word as usize];
                     let (enter, mask) = traveller.slabs.test::<W>(node, traveller.best.t);
                     let top = traveller.top;
                     let (Some(distances), Some(words)) = (
@@ -290,7 +291,7 @@ impl<G: Goal> Each<'_, G> {
                 }
                 for who in lists.packs.iter() {
                     let Traveller { word, best, sheared, .. } = &mut travellers[who];
-                    let pack = &bvh.packs[(*word & !PACK) as usize];
+                    let pack = &packs[(*word & !PACK) as usize];
                     if !G::ANY {
                         take_nearest::<W>(best, pack, sheared);
                     } else if triangle::intersect::<W>(pack, sheared, best.t).is_some() {
@@ -333,10 +334,10 @@ impl<G: Goal> Each<'_, G> {
                     }
                 }
                 for who in after.nodes.iter() {
-                    W::prefetch(&bvh.nodes[travellers[who].word as usize]);
+                    W::prefetch(&nodes[travellers[who].word as usize]);
                 }
                 for who in after.packs.iter() {
-                    W::prefetch(&bvh.packs[(travellers[who].word & !PACK) as usize]);
+                    W::prefetch(&packs[(travellers[who].word & !PACK) as usize]);
                 }
                 *lists = after;
             }

@@ -175,13 +175,14 @@ impl Bvh {
         let Some(mut word) = self.root else {
             return (best.primitive != u32::MAX).then_some(best);
         };
+        let (nodes, packs) = (&self.nodes[..], &self.packs[..]);
         let slabs = Slabs::new(ray);
         let stack = &mut stack.0;
         let mut top = 0;
         loop {
             match child(word) {
                 Child::Node(index) => {
-                    let node = &self.nodes[index];
+                    let node = &nodes[index];
                     let (enter, mask) = slabs.test::<W>(node, best.t);
                     let mut mask = mask.bits();
                     if mask != 0 {
@@ -215,7 +216,7 @@ impl Bvh {
                     }
                 }
                 Child::Pack(index) => {
-                    let pack = &self.packs[index];
+                    let pack = &packs[index];
                     take_nearest::<W>(&mut best, pack, sheared);
                 }
                 Child::Quadric(primitive) => {
@@ -299,6 +300,7 @@ impl Bvh {
         stack: &mut Stack,
     ) -> bool {
         let Some(root) = self.root else { return false };
+        let (nodes, packs) = (&self.nodes[..], &self.packs[..]);
         let slabs = Slabs::new(ray);
         let stack = &mut stack.0;
         stack[0].1 = root;
@@ -307,7 +309,7 @@ impl Bvh {
             top -= 1;
             match child(stack[top].1) {
                 Child::Node(index) => {
-                    let node = &self.nodes[index];
+                    let node = &nodes[index];
                     let (_, mask) = slabs.test::<W>(node, t_max);
                     let mut mask = mask.bits();
                     while mask != 0 {
@@ -318,7 +320,7 @@ impl Bvh {
                     }
                 }
                 Child::Pack(index) => {
-                    let pack = &self.packs[index];
+                    let pack = &packs[index];
                     if triangle::intersect::<W>(pack, sheared, t_max).is_some() {
                         return true;
                     }

@@ -4,14 +4,15 @@ use super::offset::ROUNDING;
 use super::{Geometry, SurfacePoint};
 use crate::math::lanes::{Packet, Wide};
 use crate::math::{Lane, Mask, V3};
+use bytemuck::{Pod, Zeroable};
 
 /// Hits nearer than this, in units of the scene along the ray's fastest axis, have their distance
 /// decided in f64.
 const NEAR: f32 = 1.0 / 256.0;
 
 /// Eight triangles by component: `v[vertex][axis][lane]`.
-#[derive(Clone, Debug)]
-#[repr(align(64))]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, align(64))]
 pub(super) struct Pack {
     pub v: [[[f32; 8]; 3]; 3],
     pub id: [u32; 8],
@@ -256,9 +257,10 @@ fn resolve_near<P: Packet>(o: V3<P>, d: V3<P>, corners: [V3<P>; 3], lanes: u32, 
 /// The surface at barycentric weights `b` of the second and third vertex.
 #[inline(always)]
 pub(super) fn surface(geometry: &Geometry, triangle: usize, b: [f32; 2]) -> SurfacePoint {
-    let indices = geometry.triangles[triangle];
-    let flat = flat_surface(indices.map(|i| geometry.positions[i as usize]), b);
-    let n = indices.map(|i| geometry.normals[i as usize]);
+    let vertices = geometry.vertices();
+    let corners = geometry.faces()[triangle].vertices.map(|i| vertices[i as usize]);
+    let flat = flat_surface(corners.map(|v| V3::from(v.position)), b);
+    let n = corners.map(|v| V3::from(v.normal));
     if n.contains(&V3::default()) {
         return flat;
     }

@@ -1,6 +1,7 @@
 //! From the builder's binary tree to one of eight children a node.
 
 use super::bvh::{Bvh, Node, PACK, QUADRIC, primitive_bounds};
+use super::pages::Pages;
 use super::treelets::{self, Content, Item, Twig};
 use super::triangle::Pack;
 use super::{Geometry, Kind};
@@ -52,7 +53,7 @@ impl Twigs {
                 (twigs, items.iter().map(|item| item.id).collect())
             })
             .collect();
-        let mut triangles = Vec::with_capacity(geometry.triangles.len());
+        let mut triangles = Vec::with_capacity(geometry.faces().len());
         for ((_, root), (part, ids)) in roots.iter().zip(parts) {
             // A part's own root takes the place kept for it.
             let (base, start) = (twigs.len() as u32, triangles.len() as u32);
@@ -76,7 +77,7 @@ impl Twigs {
     /// Fills a tree's nodes and packs.
     pub(super) fn widen(&self, geometry: &Geometry, bvh: &mut Bvh) {
         let costs = self.costs();
-        let mut packs = Vec::new();
+        let (mut nodes, mut packs) = (Vec::new(), Vec::new());
         let mut leaf = |content: Content| match content {
             Content::Quadric(id) => QUADRIC | id,
             Content::Pack(ends) => {
@@ -89,7 +90,7 @@ impl Twigs {
             bvh.root = Some(leaf(self.twigs[0].content));
         } else {
             bvh.root = Some(0);
-            bvh.nodes.push(Node::EMPTY);
+            nodes.push(Node::EMPTY);
             let mut open = vec![(0u32, 0usize, 1usize)];
             let mut children = Vec::with_capacity(8);
             while let Some((at, wide, depth)) = open.pop() {
@@ -101,13 +102,13 @@ impl Twigs {
                 for (slot, &source) in children.iter().enumerate() {
                     let Twig { bounds, content } = self.twigs[source as usize];
                     let word = if let Content::Inner(_) = content {
-                        bvh.nodes.push(Node::EMPTY);
-                        open.push((source, bvh.nodes.len() - 1, depth + 1));
-                        bvh.nodes.len() as u32 - 1
+                        nodes.push(Node::EMPTY);
+                        open.push((source, nodes.len() - 1, depth + 1));
+                        nodes.len() as u32 - 1
                     } else {
                         leaf(content)
                     };
-                    let node = &mut bvh.nodes[wide];
+                    let node = &mut nodes[wide];
                     node.child[slot] = word;
                     for axis in 0..3 {
                         node.bounds[axis][0][slot] = bounds.min[axis];
@@ -116,10 +117,12 @@ impl Twigs {
                 }
             }
         }
-        let pack = |&[start, end]: &[u32; 2]| {
-            Pack::of(geometry, &self.triangles[start as usize..end as usize])
-        };
-        bvh.packs = packs.par_iter().map(pack).collect();
+        bvh.nodes = Pages::zeroed(nodes.len());
+        bvh.nodes.copy_from_slice(&nodes);
+        bvh.packs = Pages::zeroed(packs.len());
+        bvh.packs.par_iter_mut().zip(packs).for_each(|(pack, [start, end])| {
+            *pack = Pack::of(geometry, &self.triangles[start as usize..end as usize]);
+        });
     }
 
     /// For each twig the least that its parts cost a ray that meets the whole, by the surface area

@@ -51,6 +51,14 @@ pub struct SceneCost {
     pub bytes: f64,
 }
 
+impl Row {
+    /// The time over what a law proportional to the logarithm of n would give that has the first
+    /// row's: at most 1 where time grows at most with the logarithm.
+    pub fn over_logarithm(&self, first: &Row) -> f64 {
+        (self.path.median / first.path.median) / (self.n as f64).log(first.n as f64)
+    }
+}
+
 /// How a time grows.
 #[derive(Clone, Copy, Debug)]
 pub struct Growth {
@@ -296,6 +304,10 @@ mod tests {
         let log: Vec<Row> = [8, 64, 1024].map(|n| row(n, 5.0 + 7.0 * (n as f64).log2())).to_vec();
         assert!((Growth::of(&log).doubling.unwrap().slope - 7.0).abs() < 1e-9);
         assert!(Growth::of(&log[..1]).exponent.is_none());
+        // Twice the logarithm, and less than twice the time.
+        let over = log[1].over_logarithm(&log[0]);
+        assert!((over - (5.0 + 7.0 * 6.0) / (5.0 + 7.0 * 3.0) / 2.0).abs() < 1e-9 && over < 1.0);
+        assert!(power[1].over_logarithm(&power[0]) > 1.5);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::weld::{flatten, weld};
 use super::{Camera, Light, Material, MaterialId, Placement, Scene, SceneCounts, Source};
-use crate::geometry::{Bvh, Cylinder, Geometry, PrimitiveRange, Sphere};
+use crate::geometry::{Bvh, Cylinder, Face, Geometry, PrimitiveRange, Sphere, Vertex};
 use crate::math::V3;
 use glam::{DAffine3, DVec3};
 use std::ops::Range;
@@ -297,43 +297,39 @@ impl SceneBuilder {
         for (range, material) in &self.groups {
             material_of[range.clone()].fill(*material);
         }
-        material_of.extend(self.spheres.iter().map(|s| s.2));
-        material_of.extend(self.cylinders.iter().map(|c| c.3));
-        let geometry = Geometry {
-            positions: self.positions.iter().map(|&p| local(p)).collect(),
-            normals: self.normals.iter().map(|&n| V3::from(n)).collect(),
-            triangles: self.triangles,
-            spheres: self
-                .spheres
-                .iter()
-                .map(|&(c, r, _)| Sphere { centre: local(c), radius: scaled(r) })
-                .collect(),
-            cylinders: self
-                .cylinders
-                .iter()
-                .map(|&(base, axis, r, _)| {
-                    let height = axis.length();
-                    let axis = V3::from((axis / height).as_vec3().to_array());
-                    Cylinder::new(local(base), axis, scaled(height), scaled(r))
-                })
-                .collect(),
-            material_of,
+        let vertex = |(p, normal)| Vertex { position: local(p).into(), normal };
+        let face = |(vertices, material)| Face { vertices, material };
+        let sphere = |&(c, r, _): &_| Sphere { centre: local(c), radius: scaled(r) };
+        let cylinder = |&(base, axis, r, _): &(DVec3, DVec3, _, _)| {
+            let height = axis.length();
+            let axis = V3::from((axis / height).as_vec3().to_array());
+            Cylinder::new(local(base), axis, scaled(height), scaled(r))
         };
+        let materials = self.spheres.iter().map(|s| s.2);
+        let geometry = Geometry::new(
+            self.positions.into_iter().zip(self.normals).map(vertex),
+            self.triangles.into_iter().zip(material_of).map(face),
+            (
+                self.spheres.iter().map(sphere).collect(),
+                self.cylinders.iter().map(cylinder).collect(),
+            ),
+            materials.chain(self.cylinders.iter().map(|c| c.3)).collect(),
+        );
         let mut lights = Vec::new();
         for (range, material) in self.groups {
             if !range.is_empty() {
                 lights.push(Light { shape: PrimitiveRange::triangles(range), material });
             }
         }
-        let first_sphere = geometry.triangles.len();
+        let first_sphere = geometry.faces().len();
         for i in first_sphere..geometry.len() {
             lights.push(Light {
                 shape: PrimitiveRange { first: i as u32, count: 1 },
-                material: geometry.material_of[i],
+                material: geometry.material(i as u32),
             });
         }
         let counts = SceneCounts {
-            triangles: geometry.triangles.len(),
+            triangles: geometry.faces().len(),
             spheres: geometry.spheres.len(),
             cylinders: geometry.cylinders.len(),
             duplicates,

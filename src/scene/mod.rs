@@ -121,7 +121,7 @@ impl Scene {
         let ray = CameraRays::new(camera, self.placement, size).ray(pixel[0], pixel[1]);
         let mut stack = self.bvh.stack();
         let hit = self.bvh.closest(&self.geometry, &ray, f32::INFINITY, &mut stack)?;
-        Some(self.geometry.material_of[hit.primitive as usize])
+        Some(self.geometry.material(hit.primitive))
     }
     /// How much it holds.
     pub fn counts(&self) -> SceneCounts {

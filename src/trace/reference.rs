@@ -100,7 +100,7 @@ impl Tracer {
                 return sum;
             };
             let point = geometry.surface(&ray, &hit);
-            let surface = &self.surfaces[geometry.material_of[hit.primitive as usize] as usize];
+            let surface = &self.surfaces[geometry.material(hit.primitive) as usize];
             if surface.emits {
                 let weight = from.as_ref().map_or(1.0, |(from, pdf)| {
                     let cos = point.ng.dot(ray.d).abs();

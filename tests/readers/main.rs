@@ -31,7 +31,7 @@ fn warnings(report: &Report) -> Vec<String> {
 fn triangles(scene: &Scene) -> Vec<[DVec3; 3]> {
     let geometry = scene.geometry();
     let world = |p: [f32; 3]| scene.placement().to_world(DVec3::from_array(p.map(f64::from)));
-    (0..geometry.triangles.len()).map(|i| geometry.corners(i).map(|p| world(p.into()))).collect()
+    (0..geometry.faces().len()).map(|i| geometry.corners(i).map(|p| world(p.into()))).collect()
 }
 
 /// Equal up to the rounding of coordinates to single precision.

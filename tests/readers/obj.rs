@@ -267,9 +267,9 @@ fn normals_are_smooth_across_parts_and_flat_where_they_are_missing() {
         let (builder, report) = obj(&format!("{roof}{faces}")).unwrap();
         let scene = builder.build();
         let geometry = scene.geometry();
-        let of_corner = |i: u32| <[f32; 3]>::from(geometry.normals[i as usize]);
+        let of_corner = |i: u32| geometry.vertices()[i as usize].normal;
         let all: Vec<[f32; 3]> =
-            geometry.triangles.iter().flatten().map(|&i| of_corner(i)).collect();
+            geometry.faces().iter().flat_map(|face| face.vertices).map(of_corner).collect();
         (all, warnings(&report))
     };
     // The ridge is shared: two objects, two materials and a texture seam do not cut it.

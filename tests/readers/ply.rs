@@ -99,7 +99,7 @@ fn pyramid(order: Order, corners: &str) -> Vec<u8> {
 }
 
 fn same(a: &Scene, b: &Scene) -> bool {
-    triangles(a) == triangles(b) && a.geometry().normals == b.geometry().normals
+    triangles(a) == triangles(b) && a.geometry().vertices() == b.geometry().vertices()
 }
 
 #[test]
@@ -162,7 +162,7 @@ fn normals_are_used_and_bad_ones_counted() {
         ["m.ply: the normal of 2 vertices is zero or not finite: that of the face is used"]
     );
     let scene = builder.build();
-    let normals: Vec<[f32; 3]> = scene.geometry().normals.iter().map(|&n| n.into()).collect();
+    let normals: Vec<[f32; 3]> = scene.geometry().vertices().iter().map(|v| v.normal).collect();
     assert_eq!(normals, [[0.0, 0.6, 0.8], [0.0; 3], [0.0; 3]]);
 }
 

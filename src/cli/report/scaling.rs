@@ -40,6 +40,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 }
 
 const LEGEND: &str = "path         time of tracing over paths, all workers together
+over log     path over what a law proportional to log n would give from the first row: at
+             most 1 where the time grows at most with the logarithm
 scene, tree  from shapes in memory to the scene, and the tree's part of it
 bytes        of positions, normals, indices, materials and tree, for each triangle
 power        p of the law n^p that fits best, +- its standard error
@@ -48,7 +50,7 @@ doubling     what each doubling of n adds, +- its standard error";
 fn table(what: &str, rows: &[Row]) -> String {
     let last = match what {
         "threads" => vec!["speed-up"],
-        "triangles" => vec!["scene s", "tree s", "bytes"],
+        "triangles" => vec!["over log", "scene s", "tree s", "bytes"],
         _ => vec![],
     };
     let header: Vec<&str> = [what, "path ns"].into_iter().chain(last).collect();
@@ -61,6 +63,7 @@ fn table(what: &str, rows: &[Row]) -> String {
         match what {
             "threads" => cells.push(format!("{:.2}", rows[0].path.median / row.path.median)),
             "triangles" => cells.extend([
+                format!("{:.2}", row.over_logarithm(&rows[0])),
                 significant(cost.build, 3),
                 significant(cost.tree, 3),
                 format!("{:.1}", cost.bytes),
@@ -72,7 +75,7 @@ fn table(what: &str, rows: &[Row]) -> String {
     let Growth { exponent, doubling } = Growth::of(rows);
     let fit = |fit: Option<Fit>, digits: usize| match fit {
         None => "-".into(),
-        Some(Fit { slope, standard_error: e }) if e.is_nan() => format!("{slope:+.digits$}"),
+        Some(Fit { slope, standard_error: e }) if !e.is_finite() => format!("{slope:+.digits$}"),
         Some(Fit { slope, standard_error: e }) => format!("{slope:+.digits$} +- {e:.digits$}"),
     };
     format!("{table}power {}, doubling {} ns\n", fit(exponent, 3), fit(doubling, 1))

@@ -71,8 +71,8 @@ impl Hull {
         if outer.len() < LEAST {
             return None;
         }
-        let centre = geometry.positions.iter().map(|p| wide(*p)).sum::<DVec3>()
-            / geometry.positions.len().max(1) as f64;
+        let centre = geometry.vertices().iter().map(|v| wide(V3::from(v.position))).sum::<DVec3>()
+            / geometry.vertices().len().max(1) as f64;
         let (mut facets, mut first, mut others) = (Vec::new(), Vec::new(), Vec::new());
         for &at in outer {
             let plate = &plates[at as usize];

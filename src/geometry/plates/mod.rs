@@ -114,7 +114,7 @@ impl Plates {
                 shades.bounds[1][axis][i] = of(high) + ASIDE;
             }
         }
-        let all = bounds_of(&mut geometry.positions.iter().copied());
+        let all = bounds_of(&mut geometry.vertices().iter().map(|v| V3::from(v.position)));
         let pieces: Vec<_> = inner.iter().map(|&at| (at, bounds(at))).collect();
         let (clusters, lone) = clusters::gather(&pieces, all);
         let hull = Hull::new(geometry, &plates, &outer);

@@ -55,12 +55,13 @@ struct Candidate {
 
 fn candidates(geometry: &Geometry) -> Vec<Candidate> {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for p in &geometry.positions {
-        (low, high) = (low.min(wide(*p)), high.max(wide(*p)));
+    for vertex in geometry.vertices() {
+        let p = wide(V3::from(vertex.position));
+        (low, high) = (low.min(p), high.max(p));
     }
     let size = (high - low).max(DVec3::ZERO);
     let box_area = size.x * size.y + size.y * size.z + size.z * size.x;
-    let least = if geometry.triangles.len() <= FEW { 0.0 } else { LARGE * box_area };
+    let least = if geometry.faces().len() <= FEW { 0.0 } else { LARGE * box_area };
     let candidate = |triangle: usize| {
         let corners = geometry.corners(triangle).map(wide);
         let sides = [0, 1, 2].map(|i| (corners[(i + 1) % 3] - corners[i]).length_squared());
@@ -71,7 +72,7 @@ fn candidates(geometry: &Geometry) -> Vec<Candidate> {
         let fits = area > 0.0 && area >= least && slenderness <= SLENDER;
         fits.then_some(Candidate { triangle, corners, normal, area, slenderness })
     };
-    (0..geometry.triangles.len()).filter_map(candidate).collect()
+    (0..geometry.faces().len()).filter_map(candidate).collect()
 }
 
 pub(super) fn wide(v: V3) -> DVec3 {
@@ -170,10 +171,10 @@ pub(super) fn is_on_the_hull(geometry: &Geometry, plate: &Plate) -> bool {
         low = low.min(height - f64::from(by));
         high = high.max(height + f64::from(by));
     };
-    for triangle in 0..geometry.triangles.len() {
+    for triangle in 0..geometry.faces().len() {
         geometry.corners(triangle).into_iter().for_each(|p| extend(p, 0.0));
     }
-    for primitive in geometry.triangles.len()..geometry.len() {
+    for primitive in geometry.faces().len()..geometry.len() {
         match geometry.kind(primitive as u32) {
             Kind::Sphere(i) => extend(geometry.spheres[i].centre, geometry.spheres[i].radius),
             Kind::Cylinder(i) => {

@@ -104,7 +104,7 @@ impl Kernel for Quick<'_> {
 /// surface to surface.
 fn rays(scene: &Scene, numbers: &mut Numbers) -> Vec<Segment> {
     let (geometry, plates) = (scene.geometry(), scene.bvh().plates());
-    let count = geometry.triangles.len();
+    let count = geometry.faces().len();
     let mut rays = Vec::new();
     while rays.len() < 1 << 15 {
         let mut pick = || ((numbers.next() * count as f64) as usize).min(count - 1);

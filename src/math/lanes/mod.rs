@@ -164,7 +164,9 @@ pub trait Wide: Lane {
     /// The words of those lanes that the mask has, side by side. Returns how many; what is left of
     /// the places holds anything.
     fn pick(mask: Self::Mask, words: &[u32; 8], out: &mut [u32; 8]) -> usize;
-    /// Asks for the cache line at the start of a thing and for all others that it lies in.
+    /// Asks for the cache line at the start of a thing and for all others that it lies in, as far
+    /// as the second cache: the first one can wait for two dozen lines at a time, which a few rays
+    /// want at once, and then the asking itself would wait.
     fn prefetch<T>(thing: &T);
 }
 

@@ -357,7 +357,7 @@ impl Kernel for Trace<'_> {
     fn run<W: Wide, P: Packet>(self) -> u64 {
         let Trace { tracer, bundle, count, known, stack } = self;
         let alone = if known { 0 } else { tracer.trace::<W, P>(bundle, count, stack) };
-        bundle.met.fetch(tracer.scene.geometry(), &bundle.paths, count);
+        bundle.met.fetch::<W>(tracer.scene.geometry(), &bundle.paths, count);
         if !known {
             bundle.met.resolve::<P>(&bundle.paths, count);
         }

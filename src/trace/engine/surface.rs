@@ -3,10 +3,10 @@
 use super::Paths;
 use crate::brdf::{Lobes, Width};
 use crate::geometry::{
-    Geometry, Hit, Kind, NO_PLATE, PlateHits, SurfacePoint, flat_surface, resolve, shading_normal,
+    Geometry, Hit, NO_PLATE, PlateHits, SurfacePoint, flat_surface, resolve, shading_normal,
 };
 use crate::math::columns::{Column, Columns3};
-use crate::math::lanes::{Bits, Lane, Mask, Packet};
+use crate::math::lanes::{Bits, Lane, Mask, Packet, Wide};
 use crate::math::table::Table;
 use crate::math::{Rgb, V3};
 use crate::scene::Material;
@@ -101,6 +101,11 @@ pub(super) struct Met {
     kind: Column<u32>,
 }
 
+/// So many triangles and their corners are in the processor's caches anyway.
+const MANY: usize = 10_000;
+/// How many hits before a shape is wanted its corners are asked for; its indices twice as many.
+const AHEAD: usize = 8;
+
 const NOTHING: u32 = 0;
 const FLAT: u32 = 1;
 const SMOOTH: u32 = 2;
@@ -169,18 +174,31 @@ impl Met {
         }
     }
 
-    /// Gathers the shapes.
+    /// Gathers the shapes. Each is anywhere in memory, so memory is asked for those to come.
     #[inline(always)]
-    pub(super) fn fetch(&mut self, geometry: &Geometry, paths: &Paths, count: usize) {
+    pub(super) fn fetch<W: Wide>(&mut self, geometry: &Geometry, paths: &Paths, count: usize) {
+        let (faces, vertices) = (geometry.faces(), geometry.vertices());
         for at in 0..count {
+            if faces.len() > MANY {
+                let primitives = &self.primitive.0[..count];
+                let ahead = |n: usize| primitives.get(at + n).and_then(|&i| faces.get(i as usize));
+                if let Some(face) = ahead(2 * AHEAD) {
+                    W::prefetch(face);
+                }
+                if let Some(face) = ahead(AHEAD) {
+                    for i in face.vertices {
+                        W::prefetch(&vertices[i as usize]);
+                    }
+                }
+            }
             let primitive = self.primitive.0[at];
             if primitive == u32::MAX {
                 self.kind.0[at] = NOTHING;
                 self.material.0[at] = 0;
                 continue;
             }
-            self.material.0[at] = geometry.material_of[primitive as usize];
-            let Kind::Triangle(triangle) = geometry.kind(primitive) else {
+            let Some(face) = faces.get(primitive as usize) else {
+                self.material.0[at] = geometry.material(primitive);
                 let b = [self.b[0].0[at], self.b[1].0[at]];
                 let hit = Hit { t: self.t.0[at], primitive, b };
                 let point = geometry.surface(&paths.ray(at), &hit);
@@ -190,11 +208,12 @@ impl Met {
                 }
                 continue;
             };
-            let indices = geometry.triangles[triangle].map(|i| i as usize);
-            let normals = indices.map(|i| geometry.normals[i]);
-            for (column, i) in self.corners.iter_mut().zip(indices) {
-                column.set(at, geometry.positions[i]);
+            self.material.0[at] = face.material;
+            let corners = face.vertices.map(|i| vertices[i as usize]);
+            for (column, vertex) in self.corners.iter_mut().zip(corners) {
+                column.set(at, vertex.position);
             }
+            let normals = corners.map(|vertex| V3::from(vertex.normal));
             if normals.contains(&V3::default()) {
                 self.kind.0[at] = FLAT;
                 continue;

@@ -240,7 +240,7 @@ impl Wide for Avx2 {
         let start = start.cast::<i8>();
         for line in 0..size_of::<T>().div_ceil(64) {
             // SAFETY: a prefetch reads nothing that the program could see and never faults.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(64 * line)) };
+            unsafe { _mm_prefetch::<_MM_HINT_T1>(start.wrapping_add(64 * line)) };
         }
     }
 }
