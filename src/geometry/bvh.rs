@@ -56,6 +56,9 @@ pub(super) fn child(word: u32) -> Child {
 }
 
 /// An eight-wide tree over all primitives of a [`Geometry`].
+///
+/// Nodes with their packs right behind them in one memory were tried: no faster at 10 million
+/// triangles, slower by 2 % at a thousand.
 #[derive(Debug)]
 pub struct Bvh {
     pub(super) nodes: Pages<Node>,
