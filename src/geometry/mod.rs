@@ -92,7 +92,7 @@ impl PrimitiveRange {
 /// Which kind of shape a primitive is, with its index among that kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Index into [`Geometry::triangles`].
+    /// Index into [`Geometry::faces`].
     Triangle(usize),
     /// Index into [`Geometry::spheres`].
     Sphere(usize),
