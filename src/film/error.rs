@@ -17,7 +17,9 @@
 //! of squared errors and the sum of their estimates are about chi-square distributed, so their
 //! ratio has Fisher's distribution, with as many terms as effectively matter. Replicate means of
 //! few samples have longer tails than the normal ones of that theory; counting half of the terms
-//! makes up for it on every scene measured.
+//! makes up for it on every scene measured with every path for itself. Where paths share, a rare
+//! event is spread over its group, whose pixels are still counted as so many terms: the limits are
+//! then too narrow, most so in small pictures.
 
 use super::Film;
 use super::interval::{Interval, ratio};

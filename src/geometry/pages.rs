@@ -14,13 +14,9 @@ use std::ops::{Deref, DerefMut};
 const LEAST: usize = 4 << 20;
 
 /// A fixed number of records.
-pub(super) struct Pages<T> {
-    held: Held<T>,
-    len: usize,
-}
-
-enum Held<T> {
+pub(super) enum Pages<T> {
     Listed(Vec<T>),
+    /// Of these records' bytes exactly.
     Mapped(MmapMut),
 }
 
@@ -29,22 +25,21 @@ impl<T: Pod> Pages<T> {
     pub(super) fn zeroed(len: usize) -> Pages<T> {
         let bytes = len.saturating_mul(size_of::<T>());
         let map = if bytes < LEAST { None } else { MmapMut::map_anon(bytes).ok() };
-        let held = match map {
+        match map {
             Some(map) => {
                 #[cfg(target_os = "linux")]
                 // Whether it is heard is the system's affair.
                 let _ = map.advise(memmap2::Advice::HugePage);
-                Held::Mapped(map)
+                Pages::Mapped(map)
             }
-            None => Held::Listed(vec![T::zeroed(); len]),
-        };
-        Pages { held, len }
+            None => Pages::Listed(vec![T::zeroed(); len]),
+        }
     }
 }
 
 impl<T> Default for Pages<T> {
     fn default() -> Pages<T> {
-        Pages { held: Held::Listed(Vec::new()), len: 0 }
+        Pages::Listed(Vec::new())
     }
 }
 
@@ -52,25 +47,25 @@ impl<T> Default for Pages<T> {
 impl<T: Pod> Deref for Pages<T> {
     type Target = [T];
     fn deref(&self) -> &[T] {
-        match &self.held {
-            Held::Listed(records) => records,
-            Held::Mapped(map) => &bytemuck::cast_slice(map)[..self.len],
+        match self {
+            Pages::Listed(records) => records,
+            Pages::Mapped(map) => bytemuck::cast_slice(map),
         }
     }
 }
 
 impl<T: Pod> DerefMut for Pages<T> {
     fn deref_mut(&mut self) -> &mut [T] {
-        match &mut self.held {
-            Held::Listed(records) => records,
-            Held::Mapped(map) => &mut bytemuck::cast_slice_mut(map)[..self.len],
+        match self {
+            Pages::Listed(records) => records,
+            Pages::Mapped(map) => bytemuck::cast_slice_mut(map),
         }
     }
 }
 
-impl<T> fmt::Debug for Pages<T> {
+impl<T: Pod> fmt::Debug for Pages<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} records", self.len)
+        write!(f, "{} records", self.len())
     }
 }
 
@@ -82,7 +77,7 @@ mod tests {
     fn records_are_what_was_put_there_however_many() {
         for len in [0, 1, 1000, LEAST / 32 - 1, LEAST / 32, LEAST / 32 + 1, 1_000_003] {
             let mut pages = Pages::<[u64; 4]>::zeroed(len);
-            assert_eq!(matches!(pages.held, Held::Mapped(_)), len * 32 >= LEAST, "{len}");
+            assert_eq!(matches!(pages, Pages::Mapped(_)), len * 32 >= LEAST, "{len}");
             assert!(pages.len() == len && pages.iter().all(|record| *record == [0; 4]), "{len}");
             for (i, record) in pages.iter_mut().enumerate() {
                 record[i % 4] = i as u64;
