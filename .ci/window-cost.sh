@@ -11,7 +11,7 @@ set -eu
 
 if [ "${1:-}" != --inside ]; then
     burnish=$(realpath "${1:-target/release/burnish}")
-    exec xvfb-run -a -s "-screen 0 1280x720x24" "$0" --inside "$burnish" "$(realpath "$0")"
+    exec xvfb-run -a -s "-screen 0 1280x720x24 -noreset" "$0" --inside "$burnish" "$(realpath "$0")"
 fi
 burnish=$2
 assets=$(dirname "$3")/../assets/scenes

@@ -22,7 +22,7 @@ byte() {
 
 for theme in dark light; do
     shot="$folder/$theme.png"
-    timeout 120 xvfb-run -a -s "-screen 0 1280x720x24" \
+    timeout 120 xvfb-run -a -s "-screen 0 1280x720x24 -noreset" \
         "$burnish" --size 1280x720 "--$theme" --exit-after 4 --screenshot "$shot" ||
         fail "the window in $theme colours ended with $?"
     # A PNG holds its width and height from byte 16 on.

@@ -13,7 +13,8 @@ if [ "${1:-}" != --inside ]; then
     shots=${2:-target/window-tour}
     mkdir -p "$shots"
     shots=$(realpath "$shots")
-    exec xvfb-run -a -s "-screen 0 1280x720x24" "$0" --inside "$burnish" "$shots"
+    # A server that resets when its last window closes turns away whoever comes in that moment.
+    exec xvfb-run -a -s "-screen 0 1280x720x24 -noreset" "$0" --inside "$burnish" "$shots"
 fi
 burnish=$2
 shots=$3
