@@ -16,17 +16,29 @@ fn params(name: &str, size: [u32; 2]) -> Params {
 #[test]
 fn intervals_hold_the_truth_and_the_estimate_is_the_error() {
     for name in ["default", "cornell"] {
-        let renders = Renders::new(&params(name, [80, 60]), &[16, 64], 12, 0, &mut |_| {}).unwrap();
+        let renders =
+            Renders::new(&params(name, [80, 60]), &[32, 128], 12, 0, &mut |_| {}).unwrap();
         for c in renders.calibrations() {
             assert!((0.92..0.97).contains(&c.coverage), "{name}: {c:?}");
             assert!((0.75..1.35).contains(&c.rmse_ratio), "{name}: {c:?}");
             assert!((0.8..1.25).contains(&c.relative_ratio), "{name}: {c:?}");
-            // Of what sharing leaves of the noise, a lamp's few edge pixels own the most at first.
-            assert!(c.passes < 64 || c.reliable > 0.9, "{name}: {c:?}");
+            assert!(c.reliable > 0.9 && c.below_limit > 0.8, "{name}: {c:?}");
         }
         // The error falls at least with the square root of the passes.
         let [few, many] = renders.calibrations().try_into().unwrap();
         assert!(many.relative < 0.55 * few.relative, "{name}: {few:?} {many:?}");
+    }
+}
+
+/// So small a picture of four small lamps that one of their corners owns a third of the error: some
+/// renders have hardly met it, and look better than they are. That six or more of forty exceed
+/// their upper limit has a probability of 2 % if each does with 6 %; the seeds are fixed.
+#[test]
+fn the_limit_holds_where_a_lamps_corner_owns_the_error() {
+    let plates = params("plates", [64, 48]);
+    let renders = Renders::new(&plates, &[64, 256], 40, 0, &mut |_| {}).unwrap();
+    for c in renders.calibrations() {
+        assert!(c.below_limit > 0.86 && c.reliable > 0.5, "{c:?}");
     }
 }
 

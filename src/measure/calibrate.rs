@@ -32,14 +32,16 @@ pub struct Calibration {
 
 impl Calibration {
     /// How many of its figures are out of bounds: coverage within 0.92 to 0.97 from 256 passes on,
-    /// estimates within 0.8 to 1.25 of the true errors from 16 passes on.
+    /// estimates within 0.8 to 1.25 of the true errors from 16 passes on, the relative error's upper
+    /// limit held by 0.9 or more of those renders that call theirs reliable.
     pub fn faults(&self) -> usize {
         let ratio = 0.8..=1.25;
         let covers = self.passes < 256 || (0.92..=0.97).contains(&self.coverage);
         let absolute = self.passes < 16 || ratio.contains(&self.rmse_ratio);
         let none = self.reliable <= 0.0;
-        let relative = self.passes < 16 || none || ratio.contains(&self.relative_ratio);
-        [covers, absolute, relative].iter().filter(|&&fine| !fine).count()
+        let relative = none || ratio.contains(&self.relative_ratio);
+        let limit = none || self.below_limit >= 0.9;
+        [covers, absolute, relative, limit].iter().filter(|&&fine| !fine).count()
     }
 }
 

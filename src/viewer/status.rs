@@ -92,7 +92,7 @@ fn progress(ui: &mut Ui, document: &Document, facts: &Facts) {
             format!("rel. error {error:<23}"),
             "sqrt(mean((x - r)\u{b2} / (r\u{b2} + 0.01))) over pixels and channels, r being the truth, \
              with its 95 % limits, estimated from independent replicates. \"-\" until they allow an \
-             estimate, \"?\" while it can't be relied on: under 16 passes, or a handful of pixels \
+             estimate, \"?\" while it can't be relied on: under 32 passes, or a handful of pixels \
              owns the error because their bright samples are rare.",
         ),
         (
