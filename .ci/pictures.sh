@@ -40,8 +40,8 @@ if [ "${WINDOW:-yes}" = yes ]; then
     tour=$(mktemp -d)
     trap 'rm -rf "$tour"' EXIT
     .ci/window-tour.sh "$burnish" "$tour"
-    montage -label "%t" "$tour"/*.png -tile 4x -geometry 400x225+4+4 -colors 256 +dither \
-        "png8:$folder/window_tour.png"
+    montage -label "%t" "$tour"/*.png -tile 4x -geometry 400x225+4+4 -depth 8 \
+        "png24:$folder/window_tour.png"
 fi
 
 find "$folder" -name '*.png' -exec cat {} + | wc -c |
