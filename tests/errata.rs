@@ -7,7 +7,9 @@ use burnish::brdf::{
     Erratum, Formulas, Lobes, Microfacet, Model, ModelVisitor, Normals, Roughness, Width,
 };
 use burnish::math::{Rgb, V3};
+use burnish::measure::errata::{Bench, Effect};
 use burnish::progressive::{Params, Strategy, render};
+use burnish::scene::builtin::Example;
 use burnish::scene::{Camera, Material, Mesh, Scene, SceneBuilder};
 use glam::{DAffine3, DVec3};
 use std::f64::consts::{LN_10, PI, TAU};
@@ -434,4 +436,17 @@ fn both_ways_to_draw_normals_agree() {
             assert!(a.mean != b.mean, "{case}");
         }
     }
+}
+
+/// What a mistake does is told from pairs of pictures that have their noise in common: with one that
+/// the scene hardly notices, both are as noisy, and their difference is not.
+#[test]
+fn right_and_wrong_pictures_have_their_noise_in_common() {
+    let (builder, _) = Example::named("default").unwrap().read().unwrap();
+    let base = Params { size: [32, 24], ..Params::new(Arc::new(builder.build())) };
+    let bench = Bench { base, passes: 16, pairs: 4, threads: 0 };
+    let pictures = |erratum| bench.pictures(Model::Ggx, erratum).unwrap();
+    let effect = Effect::between(&pictures(Some(Erratum::FixedEpsilon)), &pictures(None));
+    assert!((0.9..1.1).contains(&effect.noise_ratio), "{effect:?}");
+    assert!(effect.margin.unwrap() < 0.002, "{effect:?}");
 }

@@ -1,8 +1,9 @@
 //! What a mistake does to a picture: the same passes with it and without.
 //!
-//! Pictures are rendered in pairs of one seed, so that much of their noise is the same and falls out
-//! of the difference; pairs have seeds of their own. Of R pairs with pixels `x_k` and `r_k` and
-//! `d_k = x_k - r_k`, every figure below follows, the differences' own noise subtracted.
+//! Pictures are rendered in pairs of one seed, right ones too by the reference tracer, so that much
+//! of their noise is the same and falls out of the difference; pairs have seeds of their own. Of R
+//! pairs with pixels `x_k` and `r_k` and `d_k = x_k - r_k`, every figure below follows, the
+//! differences' own noise subtracted.
 
 use super::error::mean_margin;
 use crate::brdf::{Erratum, Model};
@@ -48,7 +49,7 @@ impl Bench {
     ) -> Result<Vec<Picture>, ParamsError> {
         let seeds = (0..u64::from(self.pairs)).map(|k| self.base.seed.wrapping_add(k));
         let picture = |seed| {
-            let params = Params { model, erratum, seed, ..self.base.clone() };
+            let params = Params { model, erratum, seed, reference: true, ..self.base.clone() };
             Ok(render(params, self.passes, self.threads)?.mean())
         };
         seeds.map(picture).collect()
