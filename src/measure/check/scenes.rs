@@ -1,7 +1,7 @@
 //! Proofs through the tracer itself: pictures whose every pixel has the same known value.
 //!
-//! The cameras look through a window so small that all pixels see one point, so that each is an
-//! independent estimate of the same number.
+//! The cameras look through a window so small that all pixels see one point, and every path is for
+//! itself, so that each pixel is an independent estimate of the same number.
 
 use super::quadrature::{Effort, albedo};
 use super::reference::Reference;
@@ -9,6 +9,7 @@ use super::statistics::Mean;
 use super::{CheckError, Proof, Work};
 use crate::progressive::{Params, Strategy, render};
 use crate::scene::{Camera, Material, MaterialId, Mesh, Scene, SceneBuilder, ShapeError};
+use crate::trace::Group;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
@@ -133,6 +134,7 @@ impl Work {
             strategy,
             normals: subject.normals,
             erratum: subject.erratum,
+            group: Some(Group::None),
             ..Params::new(scene)
         };
         let params = params.with_roughness(subject.roughness);
