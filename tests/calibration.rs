@@ -31,8 +31,8 @@ fn intervals_hold_the_truth_and_the_estimate_is_the_error() {
 }
 
 /// So small a picture of four small lamps that one of their corners owns a third of the error: some
-/// renders have hardly met it, and look better than they are. That eight or more of forty exceed
-/// their upper limit has a probability below 1 % if each does with 7 %; the seeds are fixed.
+/// renders have hardly met it, and look better than they are. That a fifth of the thirty or more that
+/// call theirs reliable exceed their upper limit has a probability of 1 % if each does with 7 %.
 #[test]
 fn the_limit_holds_where_a_lamps_corner_owns_the_error() {
     let plates = params("plates", [64, 48]);

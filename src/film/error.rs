@@ -41,8 +41,8 @@ const LEAST_PASSES: u64 = 32;
 /// terms chooses the pictures that have missed the pixels that matter.
 const LEAST_TERMS: f64 = 5.0;
 /// How much faster than normal ones the squares of replicate means, and their count, scatter. Tried
-/// in its place: counting by the spread of single samples, which holds in 93 to 100 % at a number
-/// more a pixel, and by the spread of the replicates' sums, which is wider and holds no better.
+/// in its place: counting by the spread of single samples, which holds more often for a number more
+/// a pixel, and by the spread of the replicates' sums, which is wider and holds no better.
 const TAILS: f64 = 4.0;
 
 /// Mean and error of a film's pixels at one moment.
