@@ -111,6 +111,13 @@ impl Default for Pairs {
     }
 }
 
+/// Light times the cosine over the density of its direction; none where there is none, for where a
+/// path did not go on the density may be so near to 0 that it has no finite inverse.
+#[inline(always)]
+fn over(light: Rgb, cos: f32, density: f32) -> Rgb {
+    if light.is_black() { Rgb::BLACK } else { light * (cos / density) }
+}
+
 /// One second point.
 struct Second {
     slot: usize,
@@ -217,8 +224,7 @@ impl Second {
     /// by asking, and by sampling as the group does on the mean.
     #[inline(always)]
     fn by_asking(&self, pdf: f32) -> Rgb {
-        let all = self.asked.1 + pdf;
-        if self.light.is_black() { Rgb::BLACK } else { self.light * (self.asked.0.z / all) }
+        over(self.light, self.asked.0.z, self.asked.1 + pdf)
     }
 
     /// The same for the sampled direction; light that was reflected there could not be asked for.
@@ -228,7 +234,7 @@ impl Second {
             return Rgb::BLACK;
         }
         let cos = self.sampled.0.z;
-        self.emitted * (cos / (self.emitted_pdf + pdf)) + self.reflected * (cos / pdf)
+        over(self.emitted, cos, self.emitted_pdf + pdf) + over(self.reflected, cos, pdf)
     }
 
     /// Geometry, densities and BRDFs at the first points.
@@ -325,4 +331,15 @@ fn sum(row: &Row, count: usize) -> f32 {
         }
     }
     sums[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_light_over_next_to_no_density_is_no_light() {
+        let sum = over(Rgb::BLACK, 0.5, 1e-40) + over(Rgb::splat(1.0), 0.5, 2.0);
+        assert_eq!([sum.r, sum.g, sum.b], [0.25; 3]);
+    }
 }
