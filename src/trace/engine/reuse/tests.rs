@@ -163,9 +163,11 @@ fn compare<M: Microfacet>(tracer: &Tracer, size: [u32; 2]) {
                 for i in (base..end).filter(|&i| firsts.there.0[i] != 0) {
                     let own = i == seconds.slot.0[entry] as usize;
                     let first = firsts.point.one(tracer, i);
-                    // Along their own plane two points see each other by rounding, and carry nothing.
-                    let wi = (second.p - first.p).normalize();
-                    if first.ng.dot(wi).abs().min(second.ng.dot(wi).abs()) < 1e-5 {
+                    // In one plane, as far as their errors tell, two points see each other by
+                    // rounding, and carry nothing.
+                    let (w, error) = (second.p - first.p, first.error + second.error);
+                    let flat = |n: V3| n.dot(w).abs() <= 2.0 * n.abs().dot(error);
+                    if flat(first.ng) || flat(second.ng) {
                         continue;
                     }
                     let truth = own || sees(tracer, &first, &second, &mut visibility);
