@@ -8,7 +8,7 @@ use burnish::math::lanes::Isa;
 use burnish::progressive::Params;
 use burnish::scene::builtin::Example;
 use burnish::scene::{Camera, Material, Mesh, Scene, SceneBuilder};
-use burnish::trace::{Scratch, Tracer};
+use burnish::trace::{Hand, Round, Scratch, Tracer};
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 use support::{Mean, Random, ball};
@@ -180,6 +180,81 @@ fn the_wide_sets_give_the_same_bits() {
             scene = Arc::into_inner(shared).expect("nobody else holds it");
         }
         assert!(found.windows(2).all(|w| w[0] == w[1]), "{}", scene.name());
+    }
+}
+
+/// A pass of a picture's pixels, each for itself, with further rays that look for lamps or without.
+struct Looking<'a>(&'a Tracer, &'a Hand, Round<'a>, &'a mut Scratch);
+
+impl ModelVisitor for Looking<'_> {
+    type Output = Vec<Rgb>;
+    fn visit<M: Microfacet>(self) -> Vec<Rgb> {
+        let mut found = Vec::new();
+        self.0.sample_hand::<M>(self.1, self.2, self.3, &mut |_, c| found.push(c));
+        found
+    }
+}
+
+/// A lamp in front of nothing, from near enough that most pixels have none of its edges.
+fn lamp_alone() -> Scene {
+    let mut b = SceneBuilder::new("lamp alone");
+    let lamp = b.material(Material::light("lamp", [3.0, 2.0, 1.0]).unwrap());
+    b.sphere(DVec3::ZERO, 1.0, lamp).unwrap();
+    b.camera = Some(Camera::look_at(DVec3::new(0.0, -4.0, 0.0), DVec3::ZERO, 0.4).unwrap());
+    b.build()
+}
+
+/// Means with and without further rays agree in every quarter of the picture, while the error falls;
+/// without them samples are those of [`Tracer::sample_each`].
+#[test]
+fn looking_further_for_lamps_changes_the_noise_and_nothing_else() {
+    let (size, seeds) = ([24, 20], 600);
+    let shipped =
+        ["default", "plates"].map(|name| Example::named(name).unwrap().read().unwrap().0.build());
+    let bounds = [0.3, 0.95, 0.96, 0.6];
+    let scenes = [lamp_alone(), everything()].into_iter().chain(shipped);
+    for (i, (scene, bound)) in scenes.zip(bounds).enumerate() {
+        let model = Model::ALL[i % 3];
+        let params = Params { model, size, ..Params::new(Arc::new(scene)) };
+        let name = params.scene.name().to_owned();
+        let mut hand = Hand::default();
+        hand.pixels = all_pixels(size);
+        let mut found = Vec::new();
+        for looks in [false, true] {
+            let mut quarters: Vec<Mean> = (0..4).map(|_| Mean::default()).collect();
+            let mut pixels: Vec<Mean> = hand.pixels.iter().map(|_| Mean::default()).collect();
+            for seed in 0..seeds {
+                let params = Params { seed, ..params.clone() };
+                let tracer = params.tracer();
+                let mut scratch = tracer.scratch();
+                let mut sums = [0.0; 4];
+                let mut samples = vec![0.0; pixels.len()];
+                for number in 0..4 {
+                    let round = Round { looks, ..Round::of(number) };
+                    let traced = model.visit(Looking(&tracer, &hand, round, &mut scratch));
+                    if !looks && seed == 0 {
+                        assert!(traced == pass(&params, &hand.pixels, number, false).0, "{name}");
+                    }
+                    for (at, c) in traced.into_iter().enumerate() {
+                        assert!(c.is_finite());
+                        samples[at] += f64::from(c.luminance()) / 4.0;
+                        sums[at % 24 / 12 + 2 * (at / 24 / 10)] += f64::from(c.luminance());
+                    }
+                }
+                sums.into_iter().zip(&mut quarters).for_each(|(sum, mean)| mean.add(sum));
+                samples.into_iter().zip(&mut pixels).for_each(|(x, mean)| mean.add(x));
+            }
+            let error = |m: &Mean| m.standard_error().powi(2) / (m.mean * m.mean + 0.01);
+            found.push((quarters, pixels.iter().map(error).sum::<f64>()));
+        }
+        let [(plain, noise), (looked, less)] = found.try_into().ok().unwrap();
+        for (a, b) in plain.iter().zip(&looked) {
+            let error = a.standard_error().hypot(b.standard_error());
+            assert!((a.mean - b.mean).abs() <= 4.5 * error, "{name}: {} {}", a.mean, b.mean);
+            assert!(error < 0.04 * a.mean, "{name}: too noisy to tell: {error} {}", a.mean);
+        }
+        println!("{name}: {less} of {noise}");
+        assert!(less < bound * noise, "{name}: {less} of {noise}");
     }
 }
 

@@ -38,6 +38,12 @@ impl Slot {
     pub fn roulette(event: u32) -> Slot {
         Slot(4 + 4 * event)
     }
+    /// Position within the pixel of further rays that look for lamps.
+    pub(crate) const LOOK_CAMERA: Slot = Slot(1 << 16);
+    /// The scattered direction of further rays from the first point.
+    pub(crate) const LOOK_DIRECTION: Slot = Slot(1 << 16 | 1);
+    /// Their lobe.
+    pub(crate) const LOOK_CHOICE: Slot = Slot(1 << 16 | 2);
 }
 
 /// Mixes 32 bits; a bijection (the constants are those of C. Wellons' "triple32" search).

@@ -266,7 +266,7 @@ impl Workers {
             let (deal, pass) = (&deals[which], first + which as u64);
             let put = &mut |pixel, sample| canvas.put(which, pixel, sample);
             let first_hits = first_hits.get((at[1] * deal.bundles()[0] + at[0]) as usize);
-            epoch.trace(deal, at, Round { pass, block: 1, first_hits }, own, put);
+            epoch.trace(deal, at, Round { first_hits, ..Round::of(pass) }, own, put);
             let Scratch { rays, capped, .. } = &mut own.scratch;
             counts[0].fetch_add(std::mem::take(rays), Ordering::Relaxed);
             counts[1].fetch_add(std::mem::take(capped), Ordering::Relaxed);
@@ -328,7 +328,7 @@ impl Workers {
             let whole = self.for_each_task(epoch, tasks, &|at, own| {
                 let put = &mut |pixel, sample| canvas.put(0, pixel, sample);
                 let first_hits = first_hits.get((at[1] * columns + at[0]) as usize);
-                epoch.trace(&deal, at, Round { pass: 0, block, first_hits }, own, put);
+                epoch.trace(&deal, at, Round { block, first_hits, ..Round::of(0) }, own, put);
                 (own.scratch.rays, own.scratch.capped) = (0, 0);
             });
             if !whole {

@@ -42,6 +42,13 @@ impl CameraRays {
         self.eye
     }
 
+    /// Half the diagonal of a pixel one unit in front of the eye: what lies at some distance is as
+    /// far from the ray through the middle as this times the distance, or nearer.
+    pub(crate) fn pixel_radius(&self) -> f32 {
+        let [x, y] = self.step;
+        0.5 * (self.right.length() * x).hypot(self.up.length() * y)
+    }
+
     /// The directions of rays, as [`CameraRays::ray`]'s.
     #[inline(always)]
     pub(crate) fn direction<L: Lane>(&self, x: L, y: L) -> V3<L> {

@@ -7,6 +7,7 @@
 //! numbers alone, never on who else is in the bundle; what it is given by [others](reuse), on its
 //! group.
 
+mod further;
 mod kept;
 mod rays;
 mod receivers;
@@ -14,14 +15,16 @@ mod reuse;
 mod shade;
 mod surface;
 
+use super::lights::{Lights, Receiver};
 use super::{DEPTH_CAP, Effort, Hand, Part, Scratch, Stage, Tracer, Watch};
 use crate::brdf::Microfacet;
 use crate::geometry::{NO_PLATE, Ray, Stack};
 use crate::math::columns::{BUNDLE, Column, Columns3, FOURFOLD};
-use crate::math::lanes::{Bits, Kernel, Packet, Wide, dispatch};
+use crate::math::lanes::{Bits, Kernel, Mask, Packet, Wide, dispatch};
 use crate::math::sequence::{Slot, Stream, pair};
 use crate::math::{Rgb, V3};
 use crate::scene::Material;
+use further::{FURTHER, Further};
 pub use kept::FirstHits;
 use rays::Asked;
 use receivers::Receivers;
@@ -44,9 +47,10 @@ impl Tables {
 /// Memory for one bundle.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bundle {
-    paths: Paths,
+    paths: Box<Paths>,
     met: Met,
     shadows: Shadows,
+    further: Further,
     asked: Asked,
     firsts: Firsts,
     seconds: Seconds,
@@ -66,6 +70,9 @@ struct Paths {
     beta: Columns3,
     /// Density of the direction, in 1/sr.
     pdf: Column<f32>,
+    /// The part that counts of light met, where others look as well; for rays to the first two points
+    /// alone.
+    part: Column<f32>,
     /// Of the direction to the shading normal that it left from.
     cos: Column<f32>,
     /// Where it left from, as the lights see it.
@@ -76,6 +83,20 @@ struct Paths {
     slot: Column<u32>,
     /// Of the path's random numbers.
     key: Column<u32>,
+}
+
+/// A register's worth of rays that leave surfaces, as [`Paths`] keeps them.
+struct Way<'a, P: Packet> {
+    o: V3<P>,
+    d: V3<P>,
+    beta: Rgb<P>,
+    pdf: P,
+    part: P,
+    cos: P,
+    receiver: &'a Receiver<P>,
+    plate: P::Bits,
+    slot: P::Bits,
+    key: P::Bits,
 }
 
 /// Rays towards lights, with what arrives if nothing is in between.
@@ -100,12 +121,15 @@ pub struct Round<'a> {
     pub block: u32,
     /// What their camera rays met, if it is kept.
     pub first_hits: Option<&'a FirstHits>,
+    /// Whether further rays look for lamps, which is the lesser error for a picture; without them
+    /// every sample is the reference tracer's.
+    pub looks: bool,
 }
 
 impl Round<'_> {
     /// One sample a pixel, of which nothing is kept.
     pub fn of(pass: u64) -> Round<'static> {
-        Round { pass, block: 1, first_hits: None }
+        Round { pass, block: 1, first_hits: None, looks: true }
     }
 }
 
@@ -114,7 +138,7 @@ const LIGHTS_ASKED: u32 = 4;
 
 impl Tracer {
     /// Radiance of one sample of each pixel, in their order: pass `pass` (from 0) of the pixels in
-    /// these columns and rows from the top. The same pixel gets the same bits in any company and on
+    /// these columns and rows from the top, as [`Tracer::sample`] finds it. The same pixel gets the same bits in any company and on
     /// any number of threads; they may differ from one instruction set to another.
     pub fn sample_each<M: Microfacet>(
         &self,
@@ -133,7 +157,8 @@ impl Tracer {
             if some.is_empty() {
                 return;
             }
-            self.sample_together::<M>(&some, &[], Round::of(pass), scratch, &mut |_, _| {});
+            let round = Round { looks: false, ..Round::of(pass) };
+            self.sample_together::<M>(&some, &[], round, scratch, &mut |_, _| {});
             for &radiance in &scratch.bundle.radiance {
                 each(radiance.into());
             }
@@ -141,7 +166,7 @@ impl Tracer {
     }
 
     /// The same for the pixels of a [`Hand`], which share as it says, and for what a [`Round`] has
-    /// besides. Not for more than a hand's pixels.
+    /// besides: a picture's samples. Not for more than a hand's pixels.
     pub fn sample_hand<M: Microfacet>(
         &self,
         hand: &Hand,
@@ -200,7 +225,7 @@ impl Tracer {
     fn follow<M: Microfacet>(
         &self,
         mut count: usize,
-        Round { pass, block, first_hits }: Round,
+        Round { pass, block, first_hits, looks }: Round,
         scratch: &mut Scratch,
         watch: Watch,
     ) {
@@ -213,8 +238,14 @@ impl Tracer {
             bundle.firsts.there.0.fill(0);
             bundle.seconds.clear(count);
         }
-        dispatch(isa, Start { tracer: self, paths: &mut bundle.paths, count, pass, block });
+        bundle.further.begin(looks && bundle.part != Part::Shared);
+        dispatch(isa, Start { tracer: self, bundle, count, pass, block });
         watch(Stage::Start, count);
+        let model = PhantomData::<M>;
+        for round in 0..FURTHER {
+            let look = Look { tracer: self, bundle, round, event: 0, pass, stack, model };
+            look.run(rays, effort, watch);
+        }
         for event in 0.. {
             let kept = first_hits.filter(|_| event == 0);
             let known = kept.is_some_and(|kept| kept.recall(&mut bundle.met, count));
@@ -228,7 +259,6 @@ impl Tracer {
             }
             watch(Stage::Trace, count);
             let last = event >= self.max_depth || event >= DEPTH_CAP;
-            let model = PhantomData::<M>;
             let shade = Shade { tracer: self, bundle, count, event, pass, last, model };
             let going = dispatch(isa, shade);
             watch(Stage::Shade, count);
@@ -243,6 +273,12 @@ impl Tracer {
             let sums = bundle.asked_at(event);
             effort.alone += dispatch(isa, Ask { tracer: self, bundle, stack, sums });
             watch(Stage::Ask, bundle.shadows.count);
+            if event == 0 {
+                for round in 0..FURTHER {
+                    let look = Look { tracer: self, bundle, round, event: 1, pass, stack, model };
+                    look.run(rays, effort, watch);
+                }
+            }
             if going == 0 {
                 break;
             }
@@ -308,7 +344,7 @@ enum Sums {
 /// Camera rays of the pixels whose columns and rows lie where the slots and keys will be.
 struct Start<'a> {
     tracer: &'a Tracer,
-    paths: &'a mut Paths,
+    bundle: &'a mut Bundle,
     count: usize,
     pass: u64,
     block: u32,
@@ -318,7 +354,9 @@ impl Kernel for Start<'_> {
     type Output = ();
     #[inline(always)]
     fn run<W: Wide, P: Packet>(self) {
-        let Start { tracer, paths, count, pass, block } = self;
+        let Start { tracer, bundle, count, pass, block } = self;
+        let Bundle { paths, further, .. } = bundle;
+        let sights = if further.wanted { tracer.sights(block) } else { Vec::new() };
         let side = P::splat(block as f32);
         let eye = tracer.camera.eye().splat_lanes::<P>();
         for at in (0..count).step_by(P::WIDTH) {
@@ -331,6 +369,15 @@ impl Kernel for Start<'_> {
             paths.o.store(at, eye);
             paths.d.store(at, d);
             paths.beta.store(at, V3::splat(P::splat(1.0)));
+            let mut part = P::splat(1.0);
+            if !sights.is_empty() {
+                let live = P::mask(lowest(count - at));
+                let place = [P::from_small(x), P::from_small(y)];
+                let slots: [u32; 16] = std::array::from_fn(|lane| (at + lane) as u32);
+                let path = (P::load_bits(&slots), &stream, pass);
+                part = tracer.look_from_camera(further, &sights, live, place, side, path);
+            }
+            paths.part.store(at, part);
             paths.plate.store::<P>(at, P::Bits::splat(NO_PLATE));
             paths.key.store::<P>(at, stream.key());
         }
@@ -385,6 +432,37 @@ impl<M: Microfacet> Kernel for Shade<'_, M> {
     }
 }
 
+/// A round of further rays, to the lamps that they meet.
+struct Look<'a, M> {
+    tracer: &'a Tracer,
+    bundle: &'a mut Bundle,
+    round: usize,
+    /// What they arrive at.
+    event: u32,
+    pass: u64,
+    stack: &'a mut Stack,
+    model: PhantomData<M>,
+}
+
+impl<M: Microfacet> Look<'_, M> {
+    fn run(self, rays: &mut u64, effort: &mut Effort, watch: Watch) {
+        let Look { tracer, bundle, round, event, pass, stack, model } = self;
+        let count = std::mem::take(&mut bundle.further.counts[round]);
+        if count == 0 {
+            return;
+        }
+        let isa = tracer.scene.bvh().isa();
+        std::mem::swap(&mut bundle.paths, &mut bundle.further.rounds[round]);
+        effort.alone += dispatch(isa, Trace { tracer, bundle, count, known: false, stack });
+        *rays += count as u64;
+        effort.nearest += count as u64;
+        watch(Stage::Trace, count);
+        dispatch(isa, Shade { tracer, bundle, count, event, pass, last: true, model });
+        watch(Stage::Shade, count);
+        std::mem::swap(&mut bundle.paths, &mut bundle.further.rounds[round]);
+    }
+}
+
 /// Adds the light of those shadow rays that meet nothing.
 struct Ask<'a> {
     tracer: &'a Tracer,
@@ -433,6 +511,31 @@ impl<M: Microfacet> Kernel for Share<'_, M> {
 }
 
 impl Paths {
+    /// Those of the mask, into the members from `at` on, which left at `event`; their number.
+    #[inline(always)]
+    fn push<P: Packet>(
+        &mut self,
+        at: usize,
+        which: P::Mask,
+        way: &Way<P>,
+        lights: &Lights,
+        event: u32,
+    ) -> usize {
+        self.o.push::<P>(at, which, way.o);
+        self.d.push::<P>(at, which, way.d);
+        self.beta.push_rgb::<P>(at, which, way.beta);
+        self.pdf.push::<P>(at, which, way.pdf);
+        if event == 0 {
+            self.part.push::<P>(at, which, way.part);
+        }
+        self.cos.push::<P>(at, which, way.cos);
+        self.from.push::<P>(at, which, way.receiver, lights, event);
+        self.plate.push::<P>(at, which, way.plate);
+        self.slot.push::<P>(at, which, way.slot);
+        self.key.push::<P>(at, which, way.key);
+        which.bits().count_ones() as usize
+    }
+
     #[inline(always)]
     fn ray(&self, at: usize) -> Ray {
         Ray { o: self.o.get(at).into(), d: self.d.get(at).into() }

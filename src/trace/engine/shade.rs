@@ -1,6 +1,7 @@
 //! What happens at a surface, for as many paths at a time as a register holds.
 
-use super::{Bundle, Sums, Tables, lowest};
+use super::further::FirstPoints;
+use super::{Bundle, Sums, Tables, Way, lowest};
 use crate::brdf::Microfacet;
 use crate::geometry::{SurfacePoint, offset_origin};
 use crate::math::lanes::{Lane, Mask, Packet};
@@ -75,6 +76,18 @@ impl Tracer {
 
             let first = event == 0 && lights.choose_by_place();
             let receiver = Receiver::new(point.p, frame, first, &material.lobes, wo);
+            let mut looks = P::splat(1.0);
+            if event == 0 {
+                looks = self.lookers(&bundle.further, &material.lobes);
+                let sharp = go & looks.gt(P::splat(1.0));
+                if sharp.any() {
+                    let (point, frame, view) = (&point, &frame, &view);
+                    let receiver = &receiver;
+                    let from = FirstPoints { point, frame, view, receiver, plate, slot, key };
+                    let further = &mut bundle.further;
+                    self.look_from_points::<P, M>(further, sharp, &from, beta, pass);
+                }
+            }
             let mut towards_light = (wo, zero);
             let count = if asks { asked_lights } else { 0 };
             for which in 0..count {
@@ -148,17 +161,9 @@ impl Tracer {
             if event + 1 == self.max_depth && goes.any() {
                 goes = goes & lights.may_be_met(o, d);
             }
-            let paths = &mut bundle.paths;
-            paths.o.push::<P>(going, goes, o);
-            paths.d.push::<P>(going, goes, d);
-            paths.beta.push_rgb::<P>(going, goes, beta);
-            paths.pdf.push::<P>(going, goes, next.pdf);
-            paths.cos.push::<P>(going, goes, cos);
-            paths.from.push::<P>(going, goes, &receiver, lights, event);
-            paths.plate.push::<P>(going, goes, plate);
-            paths.slot.push::<P>(going, goes, slot);
-            paths.key.push::<P>(going, goes, key);
-            going += goes.bits().count_ones() as usize;
+            let (pdf, part) = (next.pdf, P::splat(1.0) / looks);
+            let way = Way { o, d, beta, pdf, part, cos, receiver: &receiver, plate, slot, key };
+            going += bundle.paths.push::<P>(going, goes, &way, lights, event);
         }
         going
     }
@@ -187,6 +192,7 @@ impl Tracer {
             }
             light = light * power_heuristic(bundle.paths.pdf.load::<P>(at), other);
         }
+        light = bundle.part_of(at, light, event);
         let sums = bundle.met_at(event);
         bundle.add::<P>(at, missed.bits(), light, sums);
     }
@@ -217,6 +223,7 @@ impl Tracer {
             }
             light = light * power_heuristic(bundle.paths.pdf.load::<P>(at), other);
         }
+        light = bundle.part_of(at, light, event);
         let sums = bundle.met_at(event);
         bundle.add::<P>(at, lanes, light, sums);
     }
@@ -238,6 +245,12 @@ impl Bundle {
                 *sum += channel[lane];
             }
         }
+    }
+
+    /// What rays have of light that they met, where further ones have looked as well.
+    #[inline(always)]
+    fn part_of<P: Packet>(&self, at: usize, light: Rgb<P>, event: u32) -> Rgb<P> {
+        if event > 1 { light } else { light * self.paths.part.load::<P>(at) }
     }
 
     /// Keeps light that was met from second points, with the density that asking has for it.

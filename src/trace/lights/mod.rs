@@ -150,6 +150,16 @@ impl Lights {
         self.count() > 1
     }
 
+    /// The boxes of lamps, where they are so few that each has its own.
+    pub(super) fn lamps_apart(&self) -> &[Extent] {
+        if self.tree.is_none() { &self.extents } else { &[] }
+    }
+
+    /// Whether lamps are all that shines.
+    pub(super) fn are_lamps(&self) -> bool {
+        self.sky == 0.0
+    }
+
     /// The rays that may meet something that emits: from those that are not, there comes nothing.
     #[inline(always)]
     pub(super) fn may_be_met<P: Packet>(&self, o: V3<P>, d: V3<P>) -> P::Mask {
