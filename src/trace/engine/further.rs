@@ -6,21 +6,24 @@
 //! averaged, and weighed against asking as one of them would be: so the variance of what is found by
 //! asking stays, and that of what is met falls. The path goes on by its own ray alone.
 
+use super::paths::{Leaving, Paths};
 use super::shade::is_black;
-use super::{Paths, Way};
+use super::{Bundle, Shade, Trace};
 use crate::brdf::{Lobes, Microfacet, View};
-use crate::geometry::{Extent, NO_PLATE, Passing, SurfacePoint, offset_origin};
-use crate::math::lanes::{Bits, Mask, Packet};
+use crate::geometry::{Extent, NO_PLATE, Passing, Stack, SurfacePoint, offset_origin};
+use crate::math::lanes::{Bits, Mask, Packet, dispatch};
 use crate::math::sequence::{Slot, Stream, pair, unit};
 use crate::math::{Frame, Rgb, V3};
-use crate::trace::Tracer;
 use crate::trace::lights::Receiver;
+use crate::trace::{Effort, Stage, Tracer, Watch};
+use std::marker::PhantomData;
+use std::mem::{swap, take};
 
 /// How many rays look, the path's own among them: a power of 2, so that as many equal parts are the
 /// whole to the last digit.
 const LOOKS: usize = 4;
 /// How many of them are further ones.
-pub(super) const FURTHER: usize = LOOKS - 1;
+const FURTHER: usize = LOOKS - 1;
 
 /// Roughness alpha from which on asking for lamps does as well.
 const SHARP: f32 = 0.15;
@@ -30,8 +33,8 @@ const SHARP: f32 = 0.15;
 pub(super) struct Further {
     /// Whether any are wanted.
     pub(super) wanted: bool,
-    pub(super) rounds: [Box<Paths>; FURTHER],
-    pub(super) counts: [usize; FURTHER],
+    rounds: [Box<Paths>; FURTHER],
+    counts: [usize; FURTHER],
 }
 
 /// The first points of a register's worth of paths.
@@ -143,7 +146,7 @@ impl Tracer {
             let o = offset_origin(point.p, point.error, point.ng, d);
             let goes = goes & self.lights.may_be_met(o, d);
             let pdf = next.pdf;
-            let way = Way { o, d, beta, pdf, part, cos, receiver, plate, slot, key };
+            let way = Leaving { o, d, beta, pdf, part, cos, receiver, plate, slot, key };
             let (rays, end) = (&mut further.rounds[which], further.counts[which]);
             further.counts[which] += rays.push::<P>(end, goes, &way, &self.lights, 0);
         }
@@ -155,5 +158,37 @@ impl Further {
     pub(super) fn begin(&mut self, wanted: bool) {
         self.wanted = wanted;
         self.counts = [0; FURTHER];
+    }
+}
+
+/// Sends the further rays on, to the lamps that they meet.
+pub(super) struct Look<'a, M> {
+    pub(super) tracer: &'a Tracer,
+    pub(super) bundle: &'a mut Bundle,
+    /// What they arrive at.
+    pub(super) event: u32,
+    pub(super) pass: u64,
+    pub(super) stack: &'a mut Stack,
+    pub(super) model: PhantomData<M>,
+}
+
+impl<M: Microfacet> Look<'_, M> {
+    pub(super) fn run(self, rays: &mut u64, effort: &mut Effort, watch: Watch) {
+        let Look { tracer, bundle, event, pass, stack, model } = self;
+        let isa = tracer.scene.bvh().isa();
+        for round in 0..FURTHER {
+            let count = take(&mut bundle.further.counts[round]);
+            if count == 0 {
+                continue;
+            }
+            swap(&mut bundle.paths, &mut bundle.further.rounds[round]);
+            effort.alone += dispatch(isa, Trace { tracer, bundle, count, known: false, stack });
+            *rays += count as u64;
+            effort.nearest += count as u64;
+            watch(Stage::Trace, count);
+            dispatch(isa, Shade { tracer, bundle, count, event, pass, last: true, model });
+            watch(Stage::Shade, count);
+            swap(&mut bundle.paths, &mut bundle.further.rounds[round]);
+        }
     }
 }

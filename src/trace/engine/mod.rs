@@ -9,25 +9,25 @@
 
 mod further;
 mod kept;
+mod paths;
 mod rays;
 mod receivers;
 mod reuse;
 mod shade;
 mod surface;
 
-use super::lights::{Lights, Receiver};
 use super::{DEPTH_CAP, Effort, Hand, Part, Scratch, Stage, Tracer, Watch};
 use crate::brdf::Microfacet;
-use crate::geometry::{NO_PLATE, Ray, Stack};
-use crate::math::columns::{BUNDLE, Column, Columns3, FOURFOLD};
-use crate::math::lanes::{Bits, Kernel, Mask, Packet, Wide, dispatch};
+use crate::geometry::{NO_PLATE, Stack};
+use crate::math::columns::BUNDLE;
+use crate::math::lanes::{Bits, Kernel, Packet, Wide, dispatch};
 use crate::math::sequence::{Slot, Stream, pair};
 use crate::math::{Rgb, V3};
 use crate::scene::Material;
-use further::{FURTHER, Further};
+use further::{Further, Look};
 pub use kept::FirstHits;
+use paths::{Paths, Shadows};
 use rays::Asked;
-use receivers::Receivers;
 use reuse::{Firsts, Seconds};
 use std::marker::PhantomData;
 use surface::{MaterialTable, Met};
@@ -60,56 +60,6 @@ pub(super) struct Bundle {
     ends: Vec<u32>,
     shares: bool,
     part: Part,
-}
-
-/// Rays on their way, each with its path's past.
-#[derive(Clone, Debug, Default)]
-struct Paths {
-    o: Columns3,
-    d: Columns3,
-    beta: Columns3,
-    /// Density of the direction, in 1/sr.
-    pdf: Column<f32>,
-    /// The part that counts of light met, where others look as well; for rays to the first two points
-    /// alone.
-    part: Column<f32>,
-    /// Of the direction to the shading normal that it left from.
-    cos: Column<f32>,
-    /// Where it left from, as the lights see it.
-    from: Receivers,
-    /// The plate that it left from.
-    plate: Column<u32>,
-    /// Place in the bundle.
-    slot: Column<u32>,
-    /// Of the path's random numbers.
-    key: Column<u32>,
-}
-
-/// A register's worth of rays that leave surfaces, as [`Paths`] keeps them.
-struct Way<'a, P: Packet> {
-    o: V3<P>,
-    d: V3<P>,
-    beta: Rgb<P>,
-    pdf: P,
-    part: P,
-    cos: P,
-    receiver: &'a Receiver<P>,
-    plate: P::Bits,
-    slot: P::Bits,
-    key: P::Bits,
-}
-
-/// Rays towards lights, with what arrives if nothing is in between.
-#[derive(Clone, Debug, Default)]
-struct Shadows {
-    count: usize,
-    o: Columns3<FOURFOLD>,
-    d: Columns3<FOURFOLD>,
-    t_max: Column<f32, FOURFOLD>,
-    light: Columns3<FOURFOLD>,
-    /// The plates where they begin and end.
-    plates: [Column<u32, FOURFOLD>; 2],
-    slot: Column<u32, FOURFOLD>,
 }
 
 /// Which samples of some pixels.
@@ -242,10 +192,8 @@ impl Tracer {
         dispatch(isa, Start { tracer: self, bundle, count, pass, block });
         watch(Stage::Start, count);
         let model = PhantomData::<M>;
-        for round in 0..FURTHER {
-            let look = Look { tracer: self, bundle, round, event: 0, pass, stack, model };
-            look.run(rays, effort, watch);
-        }
+        let look = Look { tracer: self, bundle, event: 0, pass, stack, model };
+        look.run(rays, effort, watch);
         for event in 0.. {
             let kept = first_hits.filter(|_| event == 0);
             let known = kept.is_some_and(|kept| kept.recall(&mut bundle.met, count));
@@ -274,10 +222,8 @@ impl Tracer {
             effort.alone += dispatch(isa, Ask { tracer: self, bundle, stack, sums });
             watch(Stage::Ask, bundle.shadows.count);
             if event == 0 {
-                for round in 0..FURTHER {
-                    let look = Look { tracer: self, bundle, round, event: 1, pass, stack, model };
-                    look.run(rays, effort, watch);
-                }
+                let look = Look { tracer: self, bundle, event: 1, pass, stack, model };
+                look.run(rays, effort, watch);
             }
             if going == 0 {
                 break;
@@ -432,37 +378,6 @@ impl<M: Microfacet> Kernel for Shade<'_, M> {
     }
 }
 
-/// A round of further rays, to the lamps that they meet.
-struct Look<'a, M> {
-    tracer: &'a Tracer,
-    bundle: &'a mut Bundle,
-    round: usize,
-    /// What they arrive at.
-    event: u32,
-    pass: u64,
-    stack: &'a mut Stack,
-    model: PhantomData<M>,
-}
-
-impl<M: Microfacet> Look<'_, M> {
-    fn run(self, rays: &mut u64, effort: &mut Effort, watch: Watch) {
-        let Look { tracer, bundle, round, event, pass, stack, model } = self;
-        let count = std::mem::take(&mut bundle.further.counts[round]);
-        if count == 0 {
-            return;
-        }
-        let isa = tracer.scene.bvh().isa();
-        std::mem::swap(&mut bundle.paths, &mut bundle.further.rounds[round]);
-        effort.alone += dispatch(isa, Trace { tracer, bundle, count, known: false, stack });
-        *rays += count as u64;
-        effort.nearest += count as u64;
-        watch(Stage::Trace, count);
-        dispatch(isa, Shade { tracer, bundle, count, event, pass, last: true, model });
-        watch(Stage::Shade, count);
-        std::mem::swap(&mut bundle.paths, &mut bundle.further.rounds[round]);
-    }
-}
-
 /// Adds the light of those shadow rays that meet nothing.
 struct Ask<'a> {
     tracer: &'a Tracer,
@@ -507,38 +422,6 @@ impl<M: Microfacet> Kernel for Share<'_, M> {
     #[inline(always)]
     fn run<W: Wide, P: Packet>(self) {
         self.tracer.share::<P, M>(self.bundle);
-    }
-}
-
-impl Paths {
-    /// Those of the mask, into the members from `at` on, which left at `event`; their number.
-    #[inline(always)]
-    fn push<P: Packet>(
-        &mut self,
-        at: usize,
-        which: P::Mask,
-        way: &Way<P>,
-        lights: &Lights,
-        event: u32,
-    ) -> usize {
-        self.o.push::<P>(at, which, way.o);
-        self.d.push::<P>(at, which, way.d);
-        self.beta.push_rgb::<P>(at, which, way.beta);
-        self.pdf.push::<P>(at, which, way.pdf);
-        if event == 0 {
-            self.part.push::<P>(at, which, way.part);
-        }
-        self.cos.push::<P>(at, which, way.cos);
-        self.from.push::<P>(at, which, way.receiver, lights, event);
-        self.plate.push::<P>(at, which, way.plate);
-        self.slot.push::<P>(at, which, way.slot);
-        self.key.push::<P>(at, which, way.key);
-        which.bits().count_ones() as usize
-    }
-
-    #[inline(always)]
-    fn ray(&self, at: usize) -> Ray {
-        Ray { o: self.o.get(at).into(), d: self.d.get(at).into() }
     }
 }
 

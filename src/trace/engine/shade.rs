@@ -1,7 +1,8 @@
 //! What happens at a surface, for as many paths at a time as a register holds.
 
 use super::further::FirstPoints;
-use super::{Bundle, Sums, Tables, Way, lowest};
+use super::paths::Leaving;
+use super::{Bundle, Sums, Tables, lowest};
 use crate::brdf::Microfacet;
 use crate::geometry::{SurfacePoint, offset_origin};
 use crate::math::lanes::{Lane, Mask, Packet};
@@ -162,7 +163,7 @@ impl Tracer {
                 goes = goes & lights.may_be_met(o, d);
             }
             let (pdf, part) = (next.pdf, P::splat(1.0) / looks);
-            let way = Way { o, d, beta, pdf, part, cos, receiver: &receiver, plate, slot, key };
+            let way = Leaving { o, d, beta, pdf, part, cos, receiver: &receiver, plate, slot, key };
             going += bundle.paths.push::<P>(going, goes, &way, lights, event);
         }
         going
