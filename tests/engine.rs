@@ -217,8 +217,7 @@ fn looking_further_for_lamps_changes_the_noise_and_nothing_else() {
         let model = Model::ALL[i % 3];
         let params = Params { model, size, ..Params::new(Arc::new(scene)) };
         let name = params.scene.name().to_owned();
-        let mut hand = Hand::default();
-        hand.pixels = all_pixels(size);
+        let hand = Hand { pixels: all_pixels(size), ..Hand::default() };
         let mut found = Vec::new();
         for looks in [false, true] {
             let mut quarters: Vec<Mean> = (0..4).map(|_| Mean::default()).collect();
