@@ -252,7 +252,6 @@ fn looking_further_for_lamps_changes_the_noise_and_nothing_else() {
             assert!((a.mean - b.mean).abs() <= 4.5 * error, "{name}: {} {}", a.mean, b.mean);
             assert!(error < 0.04 * a.mean, "{name}: too noisy to tell: {error} {}", a.mean);
         }
-        println!("{name}: {less} of {noise}");
         assert!(less < bound * noise, "{name}: {less} of {noise}");
     }
 }

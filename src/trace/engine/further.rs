@@ -2,7 +2,7 @@
 //!
 //! At the edge of a lamp, seen or mirrored, one ray a pixel is mostly chance, and nothing that comes
 //! later in the path makes up for it. So the camera's ray has company where a lamp may be in the
-//! pixel, and the ray from a glossy first point has where it may meet one. What they find is
+//! pixel, and the ray from a first point with a sharp lobe has where it may meet one. What they find is
 //! averaged, and weighed against asking as one of them would be: so the variance of what is found by
 //! asking stays, and that of what is met falls. The path goes on by its own ray alone.
 
