@@ -202,6 +202,11 @@ impl<P: Packet> Asked<P> {
             let d = offset_origin(q.p, q.error, q.ng, -self.wi) - o;
             way.d = V3::select(self.is_point, d, way.d);
             way.t_max = P::select(self.is_point, P::splat(SHADOW_END), way.t_max);
+            // Rounding puts a point of the light's own plane on either side of it, and a light from
+            // below would fill the hemisphere above. The ray's origin is off the surface by more
+            // than all roundings: it has the light on the side where it is.
+            let same_side = (q.ng.dot(q.p - o) * q.ng.dot(self.wi)).gt(zero);
+            way.meets = same_side | !self.is_point;
         }
         if self.is_sphere.any() {
             let (centre, radius) = (self.target.p, self.target.error.x);
@@ -214,7 +219,7 @@ impl<P: Packet> Asked<P> {
             let nearest = (centre - o).dot(self.wi).max(zero);
             let t_max = P::select(met, t, nearest) * P::splat(1.0 - f32::EPSILON);
             way.t_max = P::select(self.is_sphere, t_max, way.t_max);
-            way.meets = met | self.is_in_cone | !self.is_sphere;
+            way.meets = way.meets & (met | self.is_in_cone | !self.is_sphere);
         }
         way
     }
