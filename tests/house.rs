@@ -17,10 +17,11 @@ const MAY_KNOW: [(&str, &[&str]); 9] = [
 ];
 
 /// Foreign names with the only places that may use them.
-const ONE_PLACE: [(&str, &[&str]); 23] = [
+const ONE_PLACE: [(&str, &[&str]); 24] = [
     ("obvhs", &["src/geometry/bvh.rs", "src/geometry/treelets.rs", "src/geometry/widen.rs"]),
     ("tobj", &["src/scene/read/"]),
     ("ply_rs_bw", &["src/scene/read/ply"]),
+    ("earcut::", &["src/scene/read/polygon.rs"]),
     ("image::", &["src/picture/"]),
     // Beneath `image`, for the recipes that it cannot write.
     ("png::", &["src/picture/files.rs"]),

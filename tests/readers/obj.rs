@@ -250,8 +250,57 @@ fn syntax_that_other_programs_write() {
     }
 }
 
+fn area(scene: &burnish::scene::Scene) -> f64 {
+    triangles(scene).iter().map(|[a, b, c]| 0.5 * (*b - *a).cross(*c - *a).length()).sum()
+}
+
+/// An L of area 3 from any first corner, either way round, with indices of every kind, faces before
+/// vertices, normals or not, in a plane or hardly.
 #[test]
-fn polygons_become_fans() {
+fn concave_polygons_are_cut_by_their_shape() {
+    let corners = [[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]];
+    for first in 0..6 {
+        for lift in [0.0, 0.01] {
+            let mut vertices = String::new();
+            for i in 0..6 {
+                let [x, y] = corners[(first + i) % 6];
+                vertices += &format!("v {x} {y} {}\n", lift * (i % 2) as f64);
+            }
+            for faces in [
+                "f 1 2 3 4 5 6",
+                "f 6 5 4 3 2 1",
+                "f -6 -5 -4 -3 -2 -1",
+                "vn 0 0 1\nvt 0 0\nf 1/1/1 2/1/1 3/1/1 4/1/1 5/1/1 6/1/1",
+                "f 1// 2/ 3 4 5 6",
+            ] {
+                let (builder, report) = obj(&format!("{vertices}{faces}\n")).unwrap();
+                assert_eq!(warnings(&report), [""; 0]);
+                let found = area(&builder.build());
+                assert!((found - 3.0).abs() < 0.1 * lift + 1e-6, "{first} {faces}: {found}");
+            }
+            let (builder, _) = obj(&format!("f 1 2 3 4 5 6\n{vertices}")).unwrap();
+            assert!((area(&builder.build()) - 3.0).abs() < 0.1 * lift + 1e-6);
+        }
+    }
+    // Weights divide before the outline is looked at.
+    let weighted = "v 0 0 0\nv 4 0 0 2\nv 2 1 0\nv 3 3 0 3\nv 1 2 0\nv 0 2 0\nf 1 2 3 4 5 6\n";
+    assert!((area(&obj(weighted).unwrap().0.build()) - 3.0).abs() < 1e-6);
+}
+
+#[test]
+fn polygons_that_cross_themselves_are_counted() {
+    let text = "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nf 1 3 2 4\nf 1 2 3 4\nf 4 3 2 1\n";
+    let (builder, report) = obj(text).unwrap();
+    assert!(builder.shapes() >= 4);
+    assert_eq!(
+        warnings(&report),
+        ["m.obj:6: f: the outline of 2 polygons, this one first, crosses itself: their triangles \
+          may overlap or leave gaps"]
+    );
+}
+
+#[test]
+fn convex_polygons_become_fans() {
     let corners: String = (0..1000).map(|i| format!("v {} {} 0\n", i, i * i)).collect();
     let face: String = (1..=1000).map(|i| format!(" {i}")).collect();
     let scene = obj(&format!("{corners}f{face}\n")).unwrap().0.build();

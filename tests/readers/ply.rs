@@ -304,3 +304,45 @@ fn binary_files_that_end_early_or_lie() {
         assert_eq!(text, "m.ply: the file has no faces, so there is nothing to show");
     }
 }
+
+/// An L of area 3 from any first corner, and outlines that cross themselves, in every encoding.
+#[test]
+fn polygons_are_cut_by_their_shape() {
+    let corners = [[0u8, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]];
+    for first in 0..6u8 {
+        for (format, crossed) in
+            [("ascii", false), ("binary_little_endian", false), ("binary_big_endian", true)]
+        {
+            let mut bytes = format!(
+                "ply\nformat {format} 1.0\nelement vertex 6\nproperty uchar x\nproperty uchar y\n\
+                 property uchar z\nelement face 1\nproperty list uchar uchar vertex_indices\n\
+                 end_header\n"
+            )
+            .into_bytes();
+            let mut order: Vec<u8> = (0..6).map(|i| (first + i) % 6).collect();
+            if crossed {
+                order.swap(0, 3);
+            }
+            let vertices = corners.iter().map(|[x, y]| vec![*x, *y, 0]);
+            for line in vertices.chain([[vec![6], order].concat()]) {
+                if format == "ascii" {
+                    let words: Vec<String> = line.iter().map(u8::to_string).collect();
+                    bytes.extend((words.join(" ") + "\n").bytes());
+                } else {
+                    bytes.extend(line);
+                }
+            }
+            let (builder, report) = read::read(&bytes, "m.ply".as_ref(), &Memory(&[])).unwrap();
+            let told = warnings(&report).join("\n");
+            assert_eq!(told.contains("of 1 polygons, of face 1 first, crosses itself"), crossed);
+            if !crossed {
+                assert_eq!(told, "");
+                let area: f64 = triangles(&builder.build())
+                    .iter()
+                    .map(|[a, b, c]| 0.5 * (*b - *a).cross(*c - *a).length())
+                    .sum();
+                assert!((area - 3.0).abs() < 1e-6, "{first}: {area}");
+            }
+        }
+    }
+}

@@ -28,6 +28,7 @@ mod files;
 mod log;
 mod obj;
 mod ply;
+mod polygon;
 mod scn;
 pub(super) mod text;
 

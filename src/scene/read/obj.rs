@@ -3,14 +3,15 @@
 //! `tobj` names no line in its errors, panics on some indices, loses a vertex to a byte order mark
 //! and splits shared vertices by texture coordinates, which would cut smooth normals along every
 //! seam. So each line is checked here first, and `tobj` is given only the statements that matter,
-//! with absolute indices and normals on every corner or none. It unifies pairs of vertex and
-//! normal and cuts polygons into fans.
+//! with absolute indices and normals on every corner or none, and polygons as triangles. It unifies
+//! pairs of vertex and normal.
 
 mod mtl;
 
 use super::ReadError;
 use super::files::Files;
 use super::log::{Log, Unsupported};
+use super::polygon::triangulate;
 use super::text::{decode, lines, shown};
 use super::{GREY_IS, grey};
 use crate::scene::{MaterialId, Mesh, SceneBuilder};
@@ -113,24 +114,32 @@ fn join_continued(text: &str) -> String {
 struct Checked {
     vertices: String,
     normals: String,
-    faces: String,
-    vertex_count: i64,
+    positions: Vec<DVec3>,
     normal_count: i64,
-    /// Corners with and without a normal.
-    corners: [usize; 2],
+    /// Vertex and normal of the corners of all faces; normal 0 is none.
+    corners: Vec<[u32; 2]>,
+    faces: Vec<Face>,
+    /// Corners with a normal.
+    with_normal: usize,
     /// The largest vertex and normal index, each with its line: they may be defined later.
     largest: [(i64, usize); 2],
     object: String,
     material: Option<(String, usize)>,
     /// The part that faces now belong to, once one is there.
     part: Option<usize>,
-    /// Part by names of object and material, and part of every triangle.
+    /// Part by names of object and material.
     part_numbers: HashMap<(String, Option<String>), usize>,
     materials: Vec<Option<(String, usize)>>,
-    part_of: Vec<usize>,
     libraries: Vec<(usize, String)>,
     too_small: usize,
     unsupported: Unsupported,
+}
+
+/// A face: how many of the corners are its own, where it stands, and what it belongs to.
+struct Face {
+    count: usize,
+    line: usize,
+    part: usize,
 }
 
 impl Checked {
@@ -175,22 +184,32 @@ impl Checked {
 
     /// `v x y z`, with a weight or a colour.
     fn vertex(&mut self, number: usize, rest: &str) -> Result<(), String> {
-        let [x, y, z] = three(rest, "v x y z")?;
-        self.vertex_count += 1;
+        let texts = three(rest, "v x y z")?;
+        let [x, y, z] = texts;
+        let mut position = DVec3::from_array(texts.map(|t| t.parse().unwrap_or(f64::NAN)));
         let mut more = rest.split_whitespace().skip(3);
-        match (more.next(), more.next()) {
-            (None, _) => written(writeln!(self.vertices, "v {x} {y} {z}")),
+        let weight = match (more.next(), more.next()) {
+            (None, _) => "",
             (Some(w), None) => match w.parse::<f64>() {
                 Ok(weight) if weight != 0.0 => {
-                    written(writeln!(self.vertices, "v {x} {y} {z} {w}"))
+                    position /= weight;
+                    w
                 }
-                _ => Err(format!("v: expected a weight other than 0, not `{}`", shown(w))),
+                _ => {
+                    return Err(format!("v: expected a weight other than 0, not `{}`", shown(w)));
+                }
             },
             _ => {
                 self.unsupported.add("a colour of a vertex", number);
-                written(writeln!(self.vertices, "v {x} {y} {z}"))
+                ""
             }
-        }
+        };
+        self.positions.push(position);
+        written(writeln!(self.vertices, "v {x} {y} {z} {weight}"))
+    }
+
+    fn vertex_count(&self) -> i64 {
+        self.positions.len() as i64
     }
 
     fn face(&mut self, number: usize, rest: &str) -> Result<(), String> {
@@ -199,7 +218,6 @@ impl Checked {
             self.too_small += 1;
             return Ok(());
         }
-        self.faces.push('f');
         for token in rest.split_whitespace() {
             let mut fields = token.split('/');
             let vertex = fields.next().unwrap_or_default();
@@ -210,18 +228,17 @@ impl Checked {
                     shown(token)
                 ));
             }
-            let v = index(vertex, self.vertex_count, "vertex")?;
-            // The zero normal in front stands for that of the face, and shifts the others.
+            let v = index(vertex, self.vertex_count(), "vertex")?;
             let n = if normal.is_empty() { 0 } else { index(normal, self.normal_count, "normal")? };
             for (largest, i) in self.largest.iter_mut().zip([v, n]) {
                 *largest = (*largest).max((i, number));
             }
-            self.corners[usize::from(n == 0)] += 1;
-            written(write!(self.faces, " {v}//{}", n.saturating_add(1)))?;
+            self.with_normal += usize::from(n != 0);
+            // Larger ones are an error in the end.
+            self.corners.push([v, n].map(|i| u32::try_from(i).unwrap_or(u32::MAX)));
         }
-        self.faces.push('\n');
         let part = self.part();
-        self.part_of.extend(std::iter::repeat_n(part, count - 2));
+        self.faces.push(Face { count, line: number, part });
         Ok(())
     }
 
@@ -240,38 +257,82 @@ impl Checked {
         part
     }
 
-    fn finish(self, log: &mut Log) -> Result<Model, ReadError> {
-        let defined = [(self.vertex_count, "vertex"), (self.normal_count, "normal")];
+    fn finish(mut self, log: &mut Log) -> Result<Model, ReadError> {
+        let defined = [(self.vertex_count(), "vertex"), (self.normal_count, "normal")];
         for ((largest, line), (count, what)) in self.largest.into_iter().zip(defined) {
             if largest > count {
                 let text = format!("f: expected a {what} index from 1 to {count}, not {largest}");
                 return Err(log.error(Some(line), text));
             }
         }
-        if self.part_of.is_empty() {
+        if self.faces.is_empty() {
             return Err(log.error(None, "the file has no faces, so there is nothing to show"));
         }
         if self.too_small > 0 {
             let text = format!("{} faces of fewer than three corners are left out", self.too_small);
             log.warn(None, text);
         }
-        self.unsupported.report(log);
-        let mut mesh = run_tobj(&[&self.vertices, "vn 0 0 0\n", &self.normals, &self.faces])
+        let (faces, part_of) = self.triangles(log);
+        std::mem::take(&mut self.unsupported).report(log);
+        let mut mesh = run_tobj(&[&self.vertices, "vn 0 0 0\n", &self.normals, &faces])
             .map_err(|e| log.error(None, format!("the OBJ reader refuses this file: {e}")))?;
-        if self.corners[0] == 0 {
+        if self.with_normal == 0 {
             mesh.normals.clear();
         }
-        let mut order: Vec<usize> = (0..mesh.triangles.len().min(self.part_of.len())).collect();
-        order.sort_by_key(|&triangle| self.part_of[triangle]);
+        let mut order: Vec<usize> = (0..mesh.triangles.len().min(part_of.len())).collect();
+        order.sort_by_key(|&triangle| part_of[triangle]);
         mesh.triangles = order.iter().map(|&i| mesh.triangles[i]).collect();
         let mut parts = Vec::with_capacity(self.materials.len());
         let mut start = 0;
         for (number, material) in self.materials.into_iter().enumerate() {
-            let end = order.partition_point(|&triangle| self.part_of[triangle] <= number);
+            let end = order.partition_point(|&triangle| part_of[triangle] <= number);
             parts.push(Part { material, triangles: start..end });
             start = end;
         }
         Ok(Model { mesh, parts, libraries: self.libraries })
+    }
+
+    /// All faces as triangles, and the part of each.
+    fn triangles(&self, log: &mut Log) -> (String, Vec<usize>) {
+        let (mut text, mut part_of) = (String::new(), Vec::new());
+        // Polygons whose outline crosses itself: the line of the first, and how many.
+        let mut crossing: Option<(usize, usize)> = None;
+        let mut positions = Vec::new();
+        let mut rest = self.corners.as_slice();
+        for face in &self.faces {
+            let (corners, after) = rest.split_at(face.count);
+            rest = after;
+            positions.clear();
+            if face.count > 3 {
+                let of = |c: &[u32; 2]| self.positions[c[0] as usize - 1];
+                positions.extend(corners.iter().map(of));
+            }
+            let cut = match face.count {
+                3 => None,
+                _ => Some(triangulate(&positions)),
+            };
+            if cut.as_ref().is_some_and(|cut| cut.self_crossing) {
+                crossing.get_or_insert((face.line, 0)).1 += 1;
+            }
+            for t in cut.as_ref().map_or(&[[0, 1, 2]][..], |cut| &cut.indices) {
+                text.push('f');
+                for i in t {
+                    let [v, n] = corners[*i as usize];
+                    // The zero normal in front stands for that of the face, and shifts the others.
+                    text.push_str(&format!(" {v}//{}", u64::from(n) + 1));
+                }
+                text.push('\n');
+                part_of.push(face.part);
+            }
+        }
+        if let Some((line, count)) = crossing {
+            let text = format!(
+                "f: the outline of {count} polygons, this one first, crosses itself: their \
+                 triangles may overlap or leave gaps"
+            );
+            log.warn(Some(line), text);
+        }
+        (text, part_of)
     }
 }
 

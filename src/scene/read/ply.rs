@@ -8,6 +8,7 @@ mod header;
 
 use super::ReadError;
 use super::log::Log;
+use super::polygon::triangulate;
 use super::text::{lines, shown};
 use crate::scene::Mesh;
 use glam::DVec3;
@@ -18,7 +19,7 @@ use ply_rs_bw::ply::{
 };
 use std::io::ErrorKind;
 
-/// Reads a mesh; polygons become fans of triangles around their first corner.
+/// Reads a mesh; polygons become triangles.
 pub(super) fn read(bytes: &[u8], log: &mut Log) -> Result<Mesh, ReadError> {
     if bytes.is_empty() {
         return Err(log.error(None, "the file is empty"));
@@ -50,16 +51,35 @@ fn mesh(
         mesh.normals = vertices.iter().map(|v| DVec3::from_array(v.normal)).collect();
     }
     let mut too_small = 0;
-    for face in faces {
+    // Faces whose outline crosses itself: the number of the first, and how many.
+    let mut crossing: Option<(usize, usize)> = None;
+    let mut corners = Vec::new();
+    for (number, face) in faces.iter().enumerate() {
         match face.corners.as_slice() {
-            [first, rest @ ..] if rest.len() >= 2 => {
-                mesh.triangles.extend(rest.windows(2).map(|edge| [*first, edge[0], edge[1]]));
+            &[a, b, c] => mesh.triangles.push([a, b, c]),
+            [] | [_] | [_, _] => too_small += 1,
+            indices => {
+                corners.clear();
+                // An index that names no vertex is found once the mesh is placed.
+                let of = |&i: &u32| mesh.positions.get(i as usize).copied().unwrap_or(DVec3::NAN);
+                corners.extend(indices.iter().map(of));
+                let cut = triangulate(&corners);
+                mesh.triangles.extend(cut.indices.iter().map(|t| t.map(|i| indices[i as usize])));
+                if cut.self_crossing {
+                    crossing.get_or_insert((number + 1, 0)).1 += 1;
+                }
             }
-            _ => too_small += 1,
         }
     }
     if too_small > 0 {
         log.warn(None, format!("{too_small} faces of fewer than three corners are left out"));
+    }
+    if let Some((first, count)) = crossing {
+        let text = format!(
+            "the outline of {count} polygons, of face {first} first, crosses itself: their \
+             triangles may overlap or leave gaps"
+        );
+        log.warn(None, text);
     }
     if mesh.triangles.is_empty() {
         return Err(log.error(None, "the file has no faces, so there is nothing to show"));
