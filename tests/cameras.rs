@@ -114,8 +114,8 @@ fn hardly_a_scene_is_still_a_picture() {
     let clay_id = triangle.material(clay.clone());
     let mesh = Mesh {
         positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
-        normals: vec![],
         triangles: vec![[0, 1, 2]],
+        ..Mesh::default()
     };
     triangle.mesh(&mesh, DAffine3::IDENTITY, clay_id).unwrap();
     let mut point = SceneBuilder::new("point");

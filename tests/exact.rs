@@ -155,8 +155,8 @@ fn still_life(scale: f64, shift: DVec3) -> Arc<Scene> {
     let corner = |x: f64, y: f64| at(x, y, 1.8 + 0.2 * x);
     let mesh = Mesh {
         positions: vec![corner(-0.5, -0.6), corner(0.6, -0.6), corner(0.6, 0.3), corner(-0.5, 0.3)],
-        normals: vec![],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
     };
     b.mesh(&mesh, DAffine3::IDENTITY, lamp).unwrap();
     b.environment = [0.1; 3];

@@ -449,8 +449,8 @@ fn odd_geometry_builds_and_answers() {
     let x = |x: f64| DVec3::new(x, 0.0, 0.0);
     let mesh = Mesh {
         positions: vec![x(0.0), x(1.0), DVec3::Y, x(2.0), x(f64::NAN), x(1e30), x(1.0)],
-        normals: vec![],
         triangles: vec![[0, 1, 2], [0, 1, 3], [0, 4, 2], [0, 5, 2], [0, 1, 99], [1, 6, 2]],
+        ..Mesh::default()
     };
     let c = b.mesh(&mesh, DAffine3::IDENTITY, m).unwrap();
     assert_eq!((c.kept, c.degenerate, c.out_of_range, c.bad_index), (1, 2, 2, 1));
@@ -460,7 +460,7 @@ fn odd_geometry_builds_and_answers() {
     let mut b = SceneBuilder::new("copies");
     let m = clay(&mut b);
     let triangles = vec![[0, 1, 2]; 100_000];
-    let mesh = Mesh { positions: vec![x(0.0), x(1.0), DVec3::Y], normals: vec![], triangles };
+    let mesh = Mesh { positions: vec![x(0.0), x(1.0), DVec3::Y], triangles, ..Mesh::default() };
     b.mesh(&mesh, DAffine3::IDENTITY, m).unwrap();
     let scene = b.build();
     assert_eq!((scene.counts().triangles, scene.counts().duplicates), (1, 99_999));

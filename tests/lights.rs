@@ -156,8 +156,8 @@ fn lamps_without_area_are_left_out() {
     let far = DVec3::new(2.5, 2.0, 1.0);
     let speck = Mesh {
         positions: vec![far, far + DVec3::X * 1e-12, far + DVec3::Y * 1e-12],
-        normals: vec![],
         triangles: vec![[0, 1, 2]],
+        ..Mesh::default()
     };
     let picture = |with_speck: bool, sky: f32| {
         let mut b = floor(3.0);

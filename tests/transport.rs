@@ -129,8 +129,8 @@ fn lit_room(lamp_shape: usize) -> Arc<Scene> {
                     v(0.0, 1.8, 1.0),
                     v(1.1, 0.1, 1.2),
                 ],
-                normals: vec![],
                 triangles: vec![[0, 1, 2], [1, 3, 2]],
+                ..Mesh::default()
             };
             b.mesh(&mesh, DAffine3::from_quat(DQuat::from_rotation_z(0.2)), lamp)
                 .map(|_| ())

@@ -243,8 +243,8 @@ fn lamp_of(centre: DVec3, half: f64) -> Mesh {
     let corner = |(x, y)| centre + half * DVec3::new(x, y, 0.0);
     Mesh {
         positions: corners.map(corner).to_vec(),
-        normals: Vec::new(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
     }
 }
 

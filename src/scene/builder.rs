@@ -18,6 +18,20 @@ pub struct Mesh {
     pub normals: Vec<DVec3>,
     /// Three indices into `positions` a triangle. Indices out of range drop the triangle.
     pub triangles: Vec<[u32; 3]>,
+    /// What the file says about smoothing, one a triangle; empty where it says nothing at all.
+    pub smoothing: Vec<Smooth>,
+}
+
+/// What a file says about the normals of a triangle for which it gives none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Smooth {
+    /// Nothing.
+    #[default]
+    Unsaid,
+    /// It has the face's.
+    Flat,
+    /// They are smooth over edges between triangles of the same group.
+    Group(u32),
 }
 
 /// What became of a mesh's triangles.

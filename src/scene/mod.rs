@@ -16,7 +16,7 @@ mod source;
 mod weld;
 pub mod write;
 
-pub use builder::{MAX_COORDINATE, Mesh, MeshCounts, SceneBuilder, ShapeError};
+pub use builder::{MAX_COORDINATE, Mesh, MeshCounts, SceneBuilder, ShapeError, Smooth};
 pub use camera::{Camera, CameraError};
 pub use material::{Material, MaterialError, MaterialId};
 pub use rays::CameraRays;

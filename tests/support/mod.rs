@@ -156,5 +156,5 @@ pub fn ball(levels: u32) -> Mesh {
         }
         triangles = finer;
     }
-    Mesh { positions, normals: vec![], triangles }
+    Mesh { positions, triangles, ..Mesh::default() }
 }

@@ -112,8 +112,8 @@ fn look_at_plate(
     let corner = |s: f64, t: f64| (x * s + y * t) * 0.5 * SIZE;
     let mesh = Mesh {
         positions: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
-        normals: Vec::new(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
     };
     let counts = b.mesh(&mesh, DAffine3::IDENTITY, material)?;
     if counts.kept != 2 {

@@ -121,7 +121,7 @@ pub(super) fn mesh(
     triangles: Vec<[u32; 3]>,
     material: MaterialId,
 ) -> Result<(), ShapeError> {
-    let mesh = Mesh { positions, normals: Vec::new(), triangles };
+    let mesh = Mesh { positions, triangles, ..Mesh::default() };
     builder.mesh(&mesh, DAffine3::IDENTITY, material).map(|_| ())
 }
 

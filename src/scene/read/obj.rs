@@ -14,7 +14,7 @@ use super::log::{Log, Unsupported};
 use super::polygon::triangulate;
 use super::text::{decode, lines, shown};
 use super::{GREY_IS, grey};
-use crate::scene::{MaterialId, Mesh, SceneBuilder};
+use crate::scene::{MaterialId, Mesh, SceneBuilder, Smooth};
 use glam::DVec3;
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -119,6 +119,9 @@ struct Checked {
     /// Vertex and normal of the corners of all faces; normal 0 is none.
     corners: Vec<[u32; 2]>,
     faces: Vec<Face>,
+    smooth: Smooth,
+    /// Smoothing statements that say nothing: the line of the first, and how many.
+    odd_smoothing: Option<(usize, usize)>,
     /// Corners with a normal.
     with_normal: usize,
     /// The largest vertex and normal index, each with its line: they may be defined later.
@@ -140,6 +143,7 @@ struct Face {
     count: usize,
     line: usize,
     part: usize,
+    smooth: Smooth,
 }
 
 impl Checked {
@@ -171,9 +175,15 @@ impl Checked {
                 self.libraries.push((number, rest.to_owned()));
                 Ok(())
             }
-            // Without textures their coordinates do not matter, and smooth normals follow shared
-            // vertices rather than smoothing groups.
-            "" | "vt" | "s" => Ok(()),
+            "s" => {
+                self.smooth = smoothing(rest).unwrap_or_else(|| {
+                    self.odd_smoothing.get_or_insert((number, 0)).1 += 1;
+                    Smooth::Unsaid
+                });
+                Ok(())
+            }
+            // Without textures their coordinates do not matter.
+            "" | "vt" => Ok(()),
             comment if comment.starts_with('#') => Ok(()),
             other => {
                 self.unsupported.add(&format!("`{}`", shown(other)), number);
@@ -238,7 +248,7 @@ impl Checked {
             self.corners.push([v, n].map(|i| u32::try_from(i).unwrap_or(u32::MAX)));
         }
         let part = self.part();
-        self.faces.push(Face { count, line: number, part });
+        self.faces.push(Face { count, line: number, part, smooth: self.smooth });
         Ok(())
     }
 
@@ -272,29 +282,40 @@ impl Checked {
             let text = format!("{} faces of fewer than three corners are left out", self.too_small);
             log.warn(None, text);
         }
-        let (faces, part_of) = self.triangles(log);
+        if let Some((line, count)) = self.odd_smoothing {
+            let times = if count > 1 { format!(" ({count} lines)") } else { String::new() };
+            let text = format!(
+                "s: expected `off` or the number of a smoothing group: taken as if nothing were \
+                 said{times}"
+            );
+            log.warn(Some(line), text);
+        }
+        let (faces, triangles) = self.triangles(log);
         std::mem::take(&mut self.unsupported).report(log);
         let mut mesh = run_tobj(&[&self.vertices, "vn 0 0 0\n", &self.normals, &faces])
             .map_err(|e| log.error(None, format!("the OBJ reader refuses this file: {e}")))?;
         if self.with_normal == 0 {
             mesh.normals.clear();
         }
-        let mut order: Vec<usize> = (0..mesh.triangles.len().min(part_of.len())).collect();
-        order.sort_by_key(|&triangle| part_of[triangle]);
+        let mut order: Vec<usize> = (0..mesh.triangles.len().min(triangles.len())).collect();
+        order.sort_by_key(|&triangle| triangles[triangle].0);
         mesh.triangles = order.iter().map(|&i| mesh.triangles[i]).collect();
+        if self.faces.iter().any(|face| face.smooth != Smooth::Unsaid) {
+            mesh.smoothing = order.iter().map(|&i| triangles[i].1).collect();
+        }
         let mut parts = Vec::with_capacity(self.materials.len());
         let mut start = 0;
         for (number, material) in self.materials.into_iter().enumerate() {
-            let end = order.partition_point(|&triangle| part_of[triangle] <= number);
+            let end = order.partition_point(|&triangle| triangles[triangle].0 <= number);
             parts.push(Part { material, triangles: start..end });
             start = end;
         }
         Ok(Model { mesh, parts, libraries: self.libraries })
     }
 
-    /// All faces as triangles, and the part of each.
-    fn triangles(&self, log: &mut Log) -> (String, Vec<usize>) {
-        let (mut text, mut part_of) = (String::new(), Vec::new());
+    /// All faces as triangles, and the part and smoothing of each.
+    fn triangles(&self, log: &mut Log) -> (String, Vec<(usize, Smooth)>) {
+        let (mut text, mut triangles) = (String::new(), Vec::new());
         // Polygons whose outline crosses itself: the line of the first, and how many.
         let mut crossing: Option<(usize, usize)> = None;
         let mut positions = Vec::new();
@@ -322,7 +343,7 @@ impl Checked {
                     text.push_str(&format!(" {v}//{}", u64::from(n) + 1));
                 }
                 text.push('\n');
-                part_of.push(face.part);
+                triangles.push((face.part, face.smooth));
             }
         }
         if let Some((line, count)) = crossing {
@@ -332,8 +353,21 @@ impl Checked {
             );
             log.warn(Some(line), text);
         }
-        (text, part_of)
+        (text, triangles)
     }
+}
+
+/// What `s` says; `None` if that is nothing.
+fn smoothing(rest: &str) -> Option<Smooth> {
+    let mut words = rest.split_whitespace();
+    let (word, None) = (words.next()?, words.next()) else { return None };
+    if word.eq_ignore_ascii_case("off") {
+        return Some(Smooth::Flat);
+    }
+    if word.eq_ignore_ascii_case("on") {
+        return Some(Smooth::Group(1));
+    }
+    word.parse().ok().map(|group| if group == 0 { Smooth::Flat } else { Smooth::Group(group) })
 }
 
 /// Writing into a string cannot fail, but says that it might.
@@ -380,4 +414,47 @@ fn run_tobj(pieces: &[&str]) -> Result<Mesh, tobj::LoadError> {
         mesh.triangles = model.mesh.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
     }
     Ok(mesh)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One entry a triangle, in the order of the triangles, which are sorted by part.
+    #[test]
+    fn every_triangle_knows_what_the_file_says_of_smoothing() {
+        let of = |faces: &str| {
+            let text = format!("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n{faces}");
+            let mut log = Log::new("m.obj".as_ref());
+            let mesh = read(text.as_bytes(), &mut log).unwrap().mesh;
+            let told = log.finish().warnings.iter().map(|w| w.to_string()).collect::<Vec<_>>();
+            (mesh.smoothing, told)
+        };
+        use Smooth::{Flat, Group, Unsaid};
+        let nothing: [String; 0] = [];
+        for (faces, expected) in [
+            ("f 1 2 3 4", vec![]),
+            ("f 1 2 3 4\ns off", vec![]),
+            ("s off\nf 1 2 3 4", vec![Flat; 2]),
+            ("s 0\nf 1 2 3 4", vec![Flat; 2]),
+            ("s OFF\nf 1 2 3", vec![Flat]),
+            ("s 1\nf 1 2 3\ns 4294967295\nf 1 2 3", vec![Group(1), Group(u32::MAX)]),
+            ("s on\nf 1 2 3", vec![Group(1)]),
+            ("f 1 2 3\ns 7\nf 1 2 3\ns off\nf 1 2 3", vec![Unsaid, Group(7), Flat]),
+            // The third is of the first part.
+            (
+                "usemtl a\ns 1\nf 1 2 3\nusemtl b\nf 1 2 3 4\nusemtl a\ns 2\nf 1 2 3",
+                vec![Group(1), Group(2), Group(1), Group(1)],
+            ),
+        ] {
+            assert_eq!(of(faces), (expected, nothing.to_vec()), "{faces}");
+        }
+        for odd in ["s", "s -1", "s smooth", "s 1.5", "s 4294967296", "s 1 2"] {
+            let (found, told) = of(&format!("s 1\n{odd}\nf 1 2 3\n{odd}\ns 0\nf 1 2 3"));
+            assert_eq!(found, [Unsaid, Flat], "{odd}");
+            let [one] = told.as_slice() else { panic!("{told:?}") };
+            assert!(one.starts_with("m.obj:6: s: expected `off`"), "{one}");
+            assert!(one.ends_with("(2 lines)"), "{one}");
+        }
+    }
 }

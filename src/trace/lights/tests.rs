@@ -56,15 +56,15 @@ fn lamps(more: u32, sky: f32) -> Scene {
     // Two triangles that make no parallelogram, and a rectangle that is in no plane of the axes.
     let kite = Mesh {
         positions: vec![v(1.0, 0.0, 2.0), v(2.8, 0.1, 2.0), v(2.0, 0.6, 2.1), v(2.9, 0.4, 2.0)],
-        normals: vec![],
         triangles: vec![[0, 1, 2], [1, 3, 2]],
+        ..Mesh::default()
     };
     b.mesh(&kite, DAffine3::IDENTITY, faint).unwrap();
     let (corner, a, c) = (v(-1.0, -1.5, 1.0), v(0.6, 0.8, 0.0), v(-0.4, 0.3, 0.5));
     let tilted = Mesh {
         positions: vec![corner, corner + a, corner + c, corner + a + c],
-        normals: vec![],
         triangles: vec![[0, 1, 2], [3, 2, 1]],
+        ..Mesh::default()
     };
     b.mesh(&tilted, DAffine3::IDENTITY, dim).unwrap();
     for i in 0..more {
