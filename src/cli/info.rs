@@ -197,7 +197,7 @@ struct Contents<'a> {
     triangles: usize,
     spheres: usize,
     cylinders: usize,
-    /// Triangles left out because an earlier one has the same corners.
+    /// Shapes left out because another is in the same place.
     duplicates: usize,
     screen: [u32; 2],
     camera: String,

@@ -1,6 +1,9 @@
 //! From what a reader found, in world units and f64, to a validated [`Scene`] in f32.
 
-use super::weld::{flatten, weld};
+use super::doubles::{Doubles, Origin, Places};
+use super::normals::{self, NormalCounts, face_normal};
+use super::read::text::shown;
+use super::weld::weld;
 use super::{Camera, Light, Material, MaterialId, Placement, Scene, SceneCounts, Source};
 use crate::geometry::{Bvh, Cylinder, Face, Geometry, PrimitiveRange, Sphere, Vertex};
 use crate::math::V3;
@@ -13,24 +16,24 @@ use thiserror::Error;
 pub struct Mesh {
     /// Vertex positions.
     pub positions: Vec<DVec3>,
-    /// One normal a vertex, of any length, or empty: then smooth ones are made, each face weighted
-    /// by its angle at the vertex. A zero or non-finite one falls back to the face's.
+    /// One normal a vertex, of any length, or empty: then they are made, by `smoothing`. A zero or
+    /// non-finite one falls back to the face's.
     pub normals: Vec<DVec3>,
     /// Three indices into `positions` a triangle. Indices out of range drop the triangle.
     pub triangles: Vec<[u32; 3]>,
-    /// What the file says about smoothing, one a triangle; empty where it says nothing at all.
+    /// How normals are made where none are given: one a triangle, or empty, where nothing is said.
     pub smoothing: Vec<Smooth>,
 }
 
-/// What a file says about the normals of a triangle for which it gives none.
+/// How a face's normals are made where a file gives none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Smooth {
-    /// Nothing.
+    /// Smooth over shared vertices across edges whose faces meet below 45 degrees.
     #[default]
     Unsaid,
-    /// It has the face's.
+    /// The face's own normal.
     Flat,
-    /// They are smooth over edges between triangles of the same group.
+    /// Smooth over shared vertices within the group of this number.
     Group(u32),
 }
 
@@ -47,6 +50,8 @@ pub struct MeshCounts {
     pub bad_index: usize,
     /// Vertices whose given normal was zero or not finite; the face's is used.
     pub bad_normals: usize,
+    /// How the kept triangles came by their normals.
+    pub normals: NormalCounts,
 }
 
 /// A shape that encloses nothing, or lies out of reach.
@@ -107,14 +112,30 @@ pub struct SceneBuilder {
     pub camera: Option<Camera>,
     /// Uniform radiance of every direction that hits nothing.
     pub environment: [f32; 3],
+    /// The line that shapes added from now on come from, for warnings about them; the readers keep it.
+    pub line: Option<usize>,
     materials: Vec<Material>,
     positions: Vec<DVec3>,
     normals: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
     /// Runs of triangles that came in by one call: one light each, where the material emits.
-    groups: Vec<(Range<usize>, MaterialId)>,
-    spheres: Vec<(DVec3, f64, MaterialId)>,
-    cylinders: Vec<(DVec3, DVec3, f64, MaterialId)>,
+    groups: Vec<(Range<usize>, Origin)>,
+    spheres: Vec<(DVec3, f64, Origin)>,
+    cylinders: Vec<(DVec3, DVec3, f64, Origin)>,
+    /// How meshes came by their normals.
+    normal_counts: NormalCounts,
+    /// Shapes that were left out because another is in the same place.
+    duplicates: usize,
+    /// Nothing was added since doubles were looked for.
+    settled: bool,
+}
+
+/// What there is to tell about the shapes of a scene as a whole.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Remarks {
+    /// Each with its line.
+    pub(super) warnings: Vec<(Option<usize>, String)>,
+    pub(super) notes: Vec<String>,
 }
 
 impl SceneBuilder {
@@ -126,6 +147,7 @@ impl SceneBuilder {
             screen: [640, 480],
             camera: None,
             environment: [0.0; 3],
+            line: None,
             materials: Vec::new(),
             positions: Vec::new(),
             normals: Vec::new(),
@@ -133,6 +155,9 @@ impl SceneBuilder {
             groups: Vec::new(),
             spheres: Vec::new(),
             cylinders: Vec::new(),
+            normal_counts: NormalCounts::default(),
+            duplicates: 0,
+            settled: false,
         }
     }
 
@@ -154,11 +179,17 @@ impl SceneBuilder {
 
     /// True when something emits: a shape's material or the environment.
     pub fn is_lit(&self) -> bool {
-        let emits = |m: &MaterialId| self.materials[*m as usize].emits();
+        let emits = |o: &Origin| self.materials[o.material as usize].emits();
         self.environment.iter().any(|&c| c > 0.0)
-            || self.groups.iter().any(|(range, m)| !range.is_empty() && emits(m))
-            || self.spheres.iter().any(|(_, _, m)| emits(m))
-            || self.cylinders.iter().any(|(_, _, _, m)| emits(m))
+            || self.groups.iter().any(|(range, o)| !range.is_empty() && emits(o))
+            || self.spheres.iter().any(|(_, _, o)| emits(o))
+            || self.cylinders.iter().any(|(_, _, _, o)| emits(o))
+    }
+
+    /// What is added now, of this material.
+    fn origin(&mut self, material: MaterialId) -> Result<Origin, ShapeError> {
+        self.settled = false;
+        Ok(Origin { material: self.known(material)?, line: self.line })
     }
 
     fn known(&self, material: MaterialId) -> Result<MaterialId, ShapeError> {
@@ -177,7 +208,8 @@ impl SceneBuilder {
         radius: f64,
         material: MaterialId,
     ) -> Result<(), ShapeError> {
-        self.spheres.push((in_reach(centre)?, positive(radius)?, self.known(material)?));
+        let sphere = (in_reach(centre)?, positive(radius)?, self.origin(material)?);
+        self.spheres.push(sphere);
         Ok(())
     }
 
@@ -193,7 +225,8 @@ impl SceneBuilder {
         if axis.length() < 1e-18 {
             return Err(ShapeError::Axis(axis.length()));
         }
-        self.cylinders.push((in_reach(base)?, axis, positive(radius)?, self.known(material)?));
+        let cylinder = (in_reach(base)?, axis, positive(radius)?, self.origin(material)?);
+        self.cylinders.push(cylinder);
         Ok(())
     }
 
@@ -225,7 +258,11 @@ impl SceneBuilder {
                 mesh.triangles.push([first, first + 2, first + 3]);
             }
         }
-        self.mesh(&mesh, DAffine3::IDENTITY, material).map(|_| ())
+        let (meshes, part) = (self.normal_counts, (0..12, self.origin(material)?));
+        self.place(&mesh, DAffine3::IDENTITY, &[part])?;
+        // A box is not a mesh whose normals there is anything to tell about.
+        self.normal_counts = meshes;
+        Ok(())
     }
 
     /// Places a mesh and gives it one material. Where that emits, the mesh is one light.
@@ -247,22 +284,37 @@ impl SceneBuilder {
         placement: DAffine3,
         parts: &[(Range<usize>, MaterialId)],
     ) -> Result<MeshCounts, ShapeError> {
+        let parts: Result<Vec<_>, ShapeError> =
+            parts.iter().map(|(r, m)| Ok((r.clone(), self.origin(*m)?))).collect();
+        self.place(mesh, placement, &parts?)
+    }
+
+    /// [`SceneBuilder::mesh_parts`] whose lines are known.
+    pub(super) fn place(
+        &mut self,
+        mesh: &Mesh,
+        placement: DAffine3,
+        parts: &[(Range<usize>, Origin)],
+    ) -> Result<MeshCounts, ShapeError> {
+        self.settled = false;
         if self.triangles.len() + mesh.triangles.len() > MAX_TRIANGLES
             || self.positions.len() + mesh.positions.len() > MAX_TRIANGLES
         {
             return Err(ShapeError::TooMany(MAX_TRIANGLES));
         }
-        for (_, material) in parts {
-            self.known(*material)?;
+        for (_, origin) in parts {
+            self.known(origin.material)?;
         }
-        let placed: Vec<DVec3> =
+        let mut placed: Vec<DVec3> =
             mesh.positions.iter().map(|&p| placement.transform_point3(p)).collect();
         let mut counts = MeshCounts::default();
         let mut kept = Vec::with_capacity(mesh.triangles.len());
+        let mut rules = Vec::with_capacity(mesh.triangles.len());
         let mut groups = Vec::with_capacity(parts.len());
-        for (range, material) in parts {
+        for (range, origin) in parts {
             let start = kept.len();
-            for &t in mesh.triangles.get(range.clone()).unwrap_or_default() {
+            let triangles = mesh.triangles.get(range.clone()).unwrap_or_default();
+            for (i, &t) in (range.start..).zip(triangles) {
                 let Some(corners) = corners(&placed, t) else {
                     counts.bad_index += 1;
                     continue;
@@ -273,20 +325,22 @@ impl SceneBuilder {
                     counts.degenerate += 1;
                 } else {
                     kept.push(t);
+                    rules.push(mesh.smoothing.get(i).copied().unwrap_or_default());
                 }
             }
-            groups.push((start..kept.len(), *material));
+            groups.push((start..kept.len(), *origin));
         }
         counts.kept = kept.len();
         let normals = if mesh.normals.len() == mesh.positions.len() {
-            let (normals, bad) = placed_normals(mesh, placement);
+            let (normals, bad) = normals::given(mesh, placement);
             counts.bad_normals = bad;
+            counts.normals.given = kept.len();
             normals
         } else {
-            let mut normals = smooth_normals(&placed, &kept);
-            flatten(&mut normals, &kept);
-            normals
+            counts.normals = NormalCounts::made(&rules);
+            normals::make(&mut placed, &mut kept, &rules)
         };
+        self.normal_counts.add(counts.normals);
         let (placed, normals) = weld((placed, normals), &mut kept);
         let first = self.positions.len() as u32;
         let start = self.triangles.len();
@@ -294,22 +348,41 @@ impl SceneBuilder {
         self.normals.extend(normals);
         self.triangles.extend(kept.iter().map(|t| t.map(|i| i + first)));
         let within = |r: Range<usize>| start + r.start..start + r.end;
-        self.groups.extend(groups.into_iter().map(|(range, material)| (within(range), material)));
+        self.groups.extend(groups.into_iter().map(|(range, origin)| (within(range), origin)));
         Ok(counts)
+    }
+
+    /// Leaves out what coincides with a surface in front of it. Returns what there is to tell about
+    /// that, and about how meshes came by their normals; the readers put it into their report.
+    pub(super) fn settle(&mut self) -> Remarks {
+        let mut remarks = Remarks::default();
+        if !self.settled {
+            let doubles = self.drop_doubles();
+            self.duplicates += doubles.count;
+            let named = |material: MaterialId| {
+                let material = &self.materials[material as usize];
+                (shown(&material.name).to_string(), material.emits())
+            };
+            let warning = |lost: &super::doubles::Lost| (lost.first.line, lost.sentence(named));
+            remarks.warnings = doubles.lost().iter().map(warning).collect();
+            self.settled = true;
+        }
+        remarks.notes.extend(self.normal_counts.note());
+        remarks
     }
 
     /// Recentres and rescales all shapes to about unit size, turns them into f32 and builds the
     /// tree over them.
     pub fn build(mut self) -> Scene {
-        let duplicates = self.drop_duplicates();
+        self.settle();
         let (low, high) = self.bounds();
         let placement = Placement::fitting(low, high);
         let local = |p: DVec3| V3::from(placement.to_local(p).as_vec3().to_array());
         let scaled = |x: f64| (x * placement.scale()) as f32;
 
         let mut material_of = vec![0; self.triangles.len()];
-        for (range, material) in &self.groups {
-            material_of[range.clone()].fill(*material);
+        for (range, origin) in &self.groups {
+            material_of[range.clone()].fill(origin.material);
         }
         let vertex = |(p, normal)| Vertex { position: local(p).into(), normal };
         let face = |(vertices, material)| Face { vertices, material };
@@ -319,7 +392,7 @@ impl SceneBuilder {
             let axis = V3::from((axis / height).as_vec3().to_array());
             Cylinder::new(local(base), axis, scaled(height), scaled(r))
         };
-        let materials = self.spheres.iter().map(|s| s.2);
+        let materials = self.spheres.iter().map(|s| s.2.material);
         let geometry = Geometry::new(
             self.positions.into_iter().zip(self.normals).map(vertex),
             self.triangles.into_iter().zip(material_of).map(face),
@@ -327,10 +400,10 @@ impl SceneBuilder {
                 self.spheres.iter().map(sphere).collect(),
                 self.cylinders.iter().map(cylinder).collect(),
             ),
-            materials.chain(self.cylinders.iter().map(|c| c.3)).collect(),
+            materials.chain(self.cylinders.iter().map(|c| c.3.material)).collect(),
         );
         let mut lights = Vec::new();
-        for (range, material) in self.groups {
+        for (range, Origin { material, .. }) in self.groups {
             if !range.is_empty() {
                 lights.push(Light { shape: PrimitiveRange::triangles(range), material });
             }
@@ -346,7 +419,7 @@ impl SceneBuilder {
             triangles: geometry.faces().len(),
             spheres: geometry.spheres.len(),
             cylinders: geometry.cylinders.len(),
-            duplicates,
+            duplicates: self.duplicates,
         };
         let aspect = self.screen[0] as f64 / self.screen[1].max(1) as f64;
         Scene {
@@ -388,43 +461,42 @@ impl SceneBuilder {
         if low.x <= high.x { (low, high) } else { (DVec3::NEG_ONE, DVec3::ONE) }
     }
 
-    /// Removes triangles on the same three points as an earlier one: by the tie rule of the
-    /// traversal they could never be hit, and thousands of them make trees deep.
-    fn drop_duplicates(&mut self) -> usize {
-        let key = |t: &[u32; 3]| {
-            let mut p = t.map(|i| self.positions[i as usize].to_array().map(f64::to_bits));
-            p.sort_unstable();
-            p
-        };
-        let hash = |t: &[u32; 3]| {
-            key(t)
-                .iter()
-                .flatten()
-                .fold(0u64, |h, &x| (h ^ x).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29))
-        };
-        let mut order: Vec<(u64, u32)> =
-            self.triangles.iter().enumerate().map(|(i, t)| (hash(t), i as u32)).collect();
-        order.sort_unstable();
-        let mut drop = vec![false; self.triangles.len()];
-        for run in order.chunk_by(|a, b| a.0 == b.0).filter(|run| run.len() > 1) {
-            let mut seen = std::collections::HashSet::new();
-            for &(_, i) in run {
-                drop[i as usize] = !seen.insert(key(&self.triangles[i as usize]));
-            }
-        }
-        let dropped = drop.iter().filter(|&&d| d).count();
-        if dropped > 0 {
+    /// Removes shapes in the place of others.
+    fn drop_doubles(&mut self) -> Doubles {
+        let mut doubles = Doubles::default();
+        let (low, high) = self.bounds();
+        let places = Places(Placement::fitting(low, high));
+        let emits = |material: MaterialId| self.materials[material as usize].emits();
+        let (positions, triangles, groups) = (&self.positions, &self.triangles, &self.groups);
+        let (spheres, cylinders) = (&self.spheres, &self.cylinders);
+        // The groups follow one another.
+        let group_of = |i: usize| groups[groups.partition_point(|(range, _)| range.end <= i)].1;
+        let corners = |i: usize| triangles[i].map(|i| positions[i as usize]);
+        let key = |i: usize| places.triangle(corners(i));
+        let drop = doubles.find(0, triangles.len(), key, group_of, emits);
+        let key = |i: usize| places.sphere(spheres[i].0, spheres[i].1);
+        let drop_spheres = doubles.find(1, spheres.len(), key, |i| spheres[i].2, emits);
+        let key = |i: usize| places.cylinder(cylinders[i].0, cylinders[i].1, cylinders[i].2);
+        let drop_cylinders = doubles.find(2, cylinders.len(), key, |i| cylinders[i].3, emits);
+        if doubles.count > 0 {
             let mut kept_before = 0;
             for (range, _) in &mut self.groups {
                 let kept = range.clone().filter(|&i| !drop[i]).count();
                 *range = kept_before..kept_before + kept;
                 kept_before += kept;
             }
-            let mut flags = drop.iter();
-            self.triangles.retain(|_| !flags.next().copied().unwrap_or(false));
+            retain(&mut self.triangles, &drop);
+            retain(&mut self.spheres, &drop_spheres);
+            retain(&mut self.cylinders, &drop_cylinders);
         }
-        dropped
+        doubles
     }
+}
+
+/// Keeps those that are not to be dropped.
+fn retain<T>(list: &mut Vec<T>, drop: &[bool]) {
+    let mut flags = drop.iter();
+    list.retain(|_| !flags.next().copied().unwrap_or(false));
 }
 
 fn in_reach(p: DVec3) -> Result<DVec3, ShapeError> {
@@ -447,38 +519,4 @@ fn positive(radius: f64) -> Result<f64, ShapeError> {
 fn corners(positions: &[DVec3], t: [u32; 3]) -> Option<[DVec3; 3]> {
     let get = |i: u32| positions.get(i as usize).copied();
     Some([get(t[0])?, get(t[1])?, get(t[2])?])
-}
-
-/// Unit normal; `None` for a triangle without area at the precision of its coordinates.
-fn face_normal([a, b, c]: [DVec3; 3]) -> Option<DVec3> {
-    let (e, f) = (b - a, c - a);
-    let n = e.cross(f);
-    let size = e.length().max(f.length());
-    if n.length() > 1e-14 * size * size { n.try_normalize() } else { None }
-}
-
-fn placed_normals(mesh: &Mesh, placement: DAffine3) -> (Vec<[f32; 3]>, usize) {
-    let inverse_transpose = placement.matrix3.inverse().transpose();
-    let mut bad = 0;
-    let normals = mesh.normals.iter().map(|&n| match (inverse_transpose * n).try_normalize() {
-        Some(n) => n.as_vec3().to_array(),
-        None => {
-            bad += 1;
-            [0.0; 3]
-        }
-    });
-    (normals.collect(), bad)
-}
-
-fn smooth_normals(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<[f32; 3]> {
-    let mut sums = vec![DVec3::ZERO; positions.len()];
-    for &t in triangles {
-        let p = t.map(|i| positions[i as usize]);
-        let Some(n) = face_normal(p) else { continue };
-        for k in 0..3 {
-            let (e, f) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
-            sums[t[k] as usize] += n * e.angle_between(f);
-        }
-    }
-    sums.iter().map(|s| s.try_normalize().unwrap_or(DVec3::ZERO).as_vec3().to_array()).collect()
 }

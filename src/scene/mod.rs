@@ -8,7 +8,9 @@
 mod builder;
 pub mod builtin;
 mod camera;
+mod doubles;
 mod material;
+mod normals;
 mod rays;
 pub mod read;
 mod report;
@@ -19,6 +21,7 @@ pub mod write;
 pub use builder::{MAX_COORDINATE, Mesh, MeshCounts, SceneBuilder, ShapeError, Smooth};
 pub use camera::{Camera, CameraError};
 pub use material::{Material, MaterialError, MaterialId};
+pub use normals::NormalCounts;
 pub use rays::CameraRays;
 pub use report::{Place, Report, Warning};
 pub use source::{Source, SourceFile};
@@ -61,7 +64,7 @@ pub struct SceneCounts {
     pub spheres: usize,
     /// Exact capped cylinders.
     pub cylinders: usize,
-    /// Triangles left out because an earlier one has the same three corners.
+    /// Shapes left out because another is in the same place.
     pub duplicates: usize,
 }
 

@@ -8,20 +8,6 @@ use std::cmp::Ordering;
 /// Positions and normals of vertices.
 pub(super) type Vertices = (Vec<DVec3>, Vec<[f32; 3]>);
 
-/// Takes the normals from triangles that share no vertex with another: blended from one face they
-/// are that face's, which is what no normal means.
-pub(super) fn flatten(normals: &mut [[f32; 3]], triangles: &[[u32; 3]]) {
-    let mut uses = vec![0u8; normals.len()];
-    for &i in triangles.iter().flatten() {
-        uses[i as usize] = uses[i as usize].saturating_add(1);
-    }
-    for triangle in triangles.iter().filter(|t| t.iter().all(|&i| uses[i as usize] == 1)) {
-        for &i in triangle {
-            normals[i as usize] = [0.0; 3];
-        }
-    }
-}
-
 /// Keeps of vertices with the same bits the first, and none that no triangle has. Meshes of which
 /// most vertices are shared already stay as they are.
 pub(super) fn weld((positions, normals): Vertices, triangles: &mut [[u32; 3]]) -> Vertices {
@@ -90,9 +76,7 @@ mod tests {
             t.iter().flatten().map(|&i| p[i as usize]).collect()
         };
         let before = corners(&positions, &triangles);
-        let mut normals = vec![[0.0, 0.0, 1.0]; positions.len()];
-        flatten(&mut normals, &triangles);
-        assert!(normals.iter().all(|n| *n == [0.0; 3]));
+        let normals = vec![[0.0; 3]; positions.len()];
         let (kept, normals) = weld((positions, normals), &mut triangles);
         assert_eq!((kept.len(), normals.len()), (102, 102));
         assert_eq!(corners(&kept, &triangles), before);
@@ -107,13 +91,5 @@ mod tests {
         // Of the diagonal's two ends, one is shared.
         assert_eq!(kept.len(), 5);
         assert_eq!(kept_normals[triangles[1][0] as usize], [0.0, 1.0, 0.0]);
-    }
-
-    #[test]
-    fn triangles_that_share_a_vertex_keep_their_normals() {
-        let mut normals = vec![[0.0, 0.0, 1.0]; 9];
-        flatten(&mut normals, &[[0, 1, 2], [2, 3, 4], [5, 6, 7]]);
-        assert!(normals[..5].iter().all(|n| *n == [0.0, 0.0, 1.0]));
-        assert!(normals[5..8].iter().all(|n| *n == [0.0; 3]));
     }
 }

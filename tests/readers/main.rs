@@ -2,7 +2,9 @@
 //! makes it panic.
 
 mod broken;
+mod coincide;
 mod files;
+mod normals;
 mod obj;
 mod ply;
 mod scn;

@@ -129,6 +129,7 @@ fn a_ply_alone_is_grey_and_lit() {
         report.notes[1..],
         [
             "a PLY file has no material: a diffuse grey of Kd 0.5 is used",
+            "normals: smooth over edges below 45 degrees for 3 triangles",
             "nothing in the file emits: lit by a uniform white environment of radiance 1",
         ]
     );

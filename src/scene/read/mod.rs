@@ -36,6 +36,7 @@ pub use files::{Disk, Files, Memory};
 pub use log::ReadError;
 pub use scn::{parse_camera, read_scn};
 
+use super::doubles::Origin;
 use super::{Material, Mesh, MeshCounts, Report, SceneBuilder};
 use files::Recorder;
 use glam::DAffine3;
@@ -117,8 +118,14 @@ fn read_obj(
     let record = Recorder::new(name, bytes, files);
     let parts = obj::materials(&model, &record, &mut builder, &mut log)?;
     builder.source = record.finish();
+    let lines = model.lines();
+    let parts: Vec<_> = parts
+        .into_iter()
+        .zip(lines)
+        .map(|((range, material), line)| (range, Origin { material, line }))
+        .collect();
     let counts = builder
-        .mesh_parts(&model.mesh, DAffine3::IDENTITY, &parts)
+        .place(&model.mesh, DAffine3::IDENTITY, &parts)
         .map_err(|e| log.error(None, e.to_string()))?;
     alone(builder, counts, log)
 }
@@ -148,11 +155,23 @@ fn alone(
             return Err(log.error(None, format!("nothing is left to show: {text}")));
         }
     }
+    settle(&mut builder, &mut log);
     if !builder.is_lit() {
         builder.environment = [1.0; 3];
         log.note("nothing in the file emits: lit by a uniform white environment of radiance 1");
     }
     Ok((builder, log.finish()))
+}
+
+/// Ends reading: what coincides is left out, and told.
+fn settle(builder: &mut SceneBuilder, log: &mut Log) {
+    let remarks = builder.settle();
+    for (line, text) in remarks.warnings {
+        log.warn(line, text);
+    }
+    for text in remarks.notes {
+        log.note(text);
+    }
 }
 
 const GREY_IS: &str = "a diffuse grey of Kd 0.5 is used";

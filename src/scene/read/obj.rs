@@ -29,6 +29,13 @@ pub(super) struct Model {
     libraries: Vec<(usize, String)>,
 }
 
+impl Model {
+    /// The line that gives each part its material.
+    pub(super) fn lines(&self) -> impl Iterator<Item = Option<usize>> {
+        self.parts.iter().map(|part| part.material.as_ref().map(|(_, line)| *line))
+    }
+}
+
 /// All faces of one object or group that have the same material.
 struct Part {
     /// Name and line of the `usemtl`.

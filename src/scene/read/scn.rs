@@ -4,7 +4,7 @@ mod args;
 
 use super::files::{Files, Recorder};
 use super::log::{Log, ReadError};
-use super::{Format, left_out, model, text, title};
+use super::{Format, left_out, model, settle, text, title};
 use crate::scene::{
     Camera, MAX_COORDINATE, Material, MaterialError, MaterialId, Mesh, Report, SceneBuilder,
     ShapeError, Source,
@@ -41,6 +41,7 @@ pub fn read_scn(
     };
     for (number, line) in text::lines(&text) {
         reader.line = number;
+        reader.builder.line = Some(number);
         reader.line(line)?;
     }
     let lines = std::mem::take(&mut reader.lines);
@@ -329,6 +330,7 @@ impl<'a> Reader<'a> {
         for (_, text) in defaults.into_iter().filter(|(applies, _)| *applies) {
             self.log.warn(None, text);
         }
+        settle(&mut self.builder, &mut self.log);
         Ok((self.builder, self.log.finish()))
     }
 }

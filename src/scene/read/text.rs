@@ -27,7 +27,7 @@ pub(in crate::scene) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)>
 }
 
 /// A piece of the file for a message: short, and without characters that steer a terminal.
-pub(super) fn shown(token: &str) -> String {
+pub(in crate::scene) fn shown(token: &str) -> String {
     const LONGEST: usize = 60;
     let mut safe = String::new();
     for c in token.chars().take(LONGEST) {
