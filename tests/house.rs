@@ -29,7 +29,7 @@ const ONE_PLACE: [(&str, &[&str]); 24] = [
     ("sha2::", &["src/scene/read/files.rs"]),
     ("memmap2", &["src/geometry/pages.rs"]),
     ("bytemuck", &["src/geometry/"]),
-    ("rayon", &["src/progressive/work.rs", "src/geometry/", "src/scene/weld.rs"]),
+    ("rayon", &["src/progressive/work.rs", "src/geometry/", "src/scene/"]),
     ("crossbeam_channel", &["src/progressive/"]),
     ("egui", &["src/viewer/"]),
     ("eframe", &["src/viewer/"]),

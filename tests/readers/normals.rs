@@ -63,7 +63,8 @@ fn what_an_obj_says_of_smoothing_is_done() {
     // Two sides in one group, the others flat.
     let mixed = FACES.replacen("f", "s 3\nf", 1).replace("f 1 2 6 5", "s off\nf 1 2 6 5");
     let (scene, notes) = read("m.obj", &format!("{CUBE}{mixed}"));
-    let told = "normals: smooth within groups (`s N`) for 4 triangles, flat (`s off`) for 8 triangles";
+    let told =
+        "normals: smooth within groups (`s N`) for 4 triangles, flat (`s off`) for 8 triangles";
     assert!(notes.iter().any(|note| note == told), "{notes:?}");
     assert!(is_flat(&scene), "the two sides of the group have no corner in common");
 }
