@@ -4,6 +4,7 @@
 mod broken;
 mod coincide;
 mod files;
+mod mtl;
 mod normals;
 mod obj;
 mod ply;

@@ -1,25 +1,14 @@
-//! OBJ and MTL.
+//! OBJ: its geometry.
 
+use super::mtl::only_material;
 use super::{Read, message, text, triangles, warnings};
-use burnish::scene::read::{self, Memory};
-use burnish::scene::{Material, SceneBuilder};
+use burnish::scene::read;
 use glam::DVec3;
 
-const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+pub(super) const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
-fn obj(lines: &str) -> Read {
+pub(super) fn obj(lines: &str) -> Read {
     text("m.obj", lines)
-}
-
-/// A triangle of material `m`, which this MTL file describes.
-fn with_mtl(mtl: &[u8]) -> Read {
-    let obj = format!("mtllib m.mtl\nusemtl m\n{TRIANGLE}");
-    read::read(obj.as_bytes(), "m.obj".as_ref(), &Memory(&[("m.mtl", mtl)]))
-}
-
-fn only_material(builder: &SceneBuilder) -> &Material {
-    let [material] = builder.materials() else { panic!("{:?}", builder.materials()) };
-    material
 }
 
 #[test]
@@ -74,112 +63,11 @@ fn a_model_that_emits_nothing_is_lit_by_a_white_environment() {
 }
 
 #[test]
-fn materials_as_people_write_them() {
-    for (mtl, kd, exponent, expected) in [
-        ("newmtl m\nKd 0.25 0.5 0.75\n", [0.25, 0.5, 0.75], 10.0, vec![]),
-        ("\u{feff}newmtl\tm  \r\n\tKd\t0.25\r\n", [0.25; 3], 10.0, vec![]),
-        ("newmtl m\nKd 0.25 0.5 \\\n0.75\nKs 0 0 0\nTr 0\nd 1.0", [0.25, 0.5, 0.75], 10.0, vec![]),
-        ("newmtl m\n", [0.5; 3], 10.0, vec!["m.mtl:1: `m` has no Kd: 0.5 0.5 0.5 is used"]),
-        ("newmtl m\nKe 1 1 1", [0.0; 3], 10.0, vec!["m.mtl:1: `m` has no Kd: 0 0 0 is used"]),
-        (
-            "newmtl m\nKd 1 1 1\nKs 1 1 1",
-            [1.0; 3],
-            10.0,
-            vec!["m.mtl:1: `m` has Ks but no Ns: an exponent of 10 is used"],
-        ),
-        (
-            "newmtl m\nKd 0 0 0\nNs 7\nnewmtl m\nKd 1 1 1\nNs 8",
-            [1.0; 3],
-            8.0,
-            vec!["m.mtl:4: `m` is defined again; this one counts"],
-        ),
-        (
-            "newmtl m\nKd spectral a.rfl 1\nKd 0 0 0\nPr 0.5\nbump b.png",
-            [0.0; 3],
-            10.0,
-            vec![
-                "m.mtl:2: `Kd` by a spectrum or CIE XYZ is not supported and left out",
-                "m.mtl:4: `Pr` is not supported and left out",
-                "m.mtl:5: `bump` is not supported and left out",
-            ],
-        ),
-    ] {
-        let (builder, report) = with_mtl(mtl.as_bytes()).unwrap();
-        assert_eq!(warnings(&report), expected, "{mtl}");
-        let material = only_material(&builder);
-        assert_eq!((material.kd, material.roughness.exponent()), (kd, exponent), "{mtl}");
-    }
-}
-
-#[test]
-fn each_mtl_error_names_the_line_and_the_range() {
-    let colour = "expected three numbers, or one for all three channels";
-    for (mtl, expected) in [
-        ("Kd 1 1 1", "m.mtl:1: expected `newmtl` before `Kd`".to_owned()),
-        ("newmtl", "m.mtl:1: newmtl: expected the name of a material".into()),
-        ("newmtl m\nKd 1 1", format!("m.mtl:2: Kd: {colour}, found 2")),
-        ("newmtl m\nKe", format!("m.mtl:2: Ke: {colour}, found 0")),
-        ("newmtl m\nKs 1 1 1 1", format!("m.mtl:2: Ks: {colour}, found 4")),
-        ("newmtl m\n\nKs 0,5 0 0", format!("m.mtl:3: Ks: {colour}, not `0,5`")),
-        ("newmtl m\nNs high", "m.mtl:2: Ns: expected one number, not `high`".into()),
-        ("newmtl m\nKd 0 2 0", "m.mtl:2: Kd must be three numbers from 0 to 1, not 0 2 0".into()),
-        (
-            "newmtl m\nKd 0 0 0\nKs nan",
-            "m.mtl:3: Ks must be three numbers from 0 to 1, not NaN NaN NaN".into(),
-        ),
-        (
-            "newmtl m\nKd 0\nNs -1",
-            "m.mtl:3: Ns: Phong exponent a_p must be from 0 to 199999998, not -1".into(),
-        ),
-        (
-            "newmtl m\nKd 0\nKe 0 -1 0",
-            "m.mtl:3: Ke: emitted radiance must be three finite numbers of at least 0 (at most \
-             1e18), not 0 -1 0"
-                .into(),
-        ),
-        ("newmtl m\n\0", "m.mtl:2: expected text in UTF-8, found a zero byte".into()),
-    ] {
-        assert_eq!(message(with_mtl(mtl.as_bytes())), expected);
-    }
-}
-
-#[test]
-fn missing_materials_are_warnings() {
-    let grey = "a diffuse grey of Kd 0.5 is used";
-    for (lines, expected) in [
-        (
-            "mtllib none.mtl\n",
-            vec!["m.obj:1: mtllib: cannot read none.mtl: there is no such file".to_owned()],
-        ),
-        ("usemtl gold\n", vec![format!("m.obj:1: no MTL file defines `gold`: {grey}")]),
-        (
-            "mtllib a b.mtl\n",
-            vec![
-                "m.obj:1: mtllib: cannot read a: there is no such file".into(),
-                "m.obj:1: mtllib: cannot read b.mtl: there is no such file".into(),
-            ],
-        ),
-    ] {
-        let (builder, report) = obj(&format!("{lines}{TRIANGLE}")).unwrap();
-        assert_eq!(warnings(&report), expected);
-        assert_eq!(only_material(&builder).kd, [0.5; 3]);
-    }
-    // Several files on one line, a name with spaces, and a material used before its file is named.
-    let files = Memory(&[("a.mtl", b"newmtl a\nKd 1"), ("b c.mtl", b"newmtl b\nKd 1")]);
-    let text = format!("usemtl b\n{TRIANGLE}mtllib a.mtl a.mtl\nmtllib b c.mtl");
-    let (builder, report) = read::read(text.as_bytes(), "m.obj".as_ref(), &files).unwrap();
-    assert_eq!(warnings(&report), ["a.mtl:1: `a` is defined again; this one counts"]);
-    assert_eq!(only_material(&builder).name, "b");
-}
-
-#[test]
 fn each_obj_error_names_the_line() {
     let numbers = "expected three numbers, `v x y z`";
     for (lines, expected) in [
         ("v 0 0\n", format!("m.obj:5: {numbers}")),
         ("v 0 0 0,5\n", format!("m.obj:5: {numbers}, not `0,5`")),
-        ("vn 0 0\n", "m.obj:5: expected three numbers, `vn x y z`".into()),
-        ("v 0 0 0 0", "m.obj:5: v: expected a weight other than 0, not `0`".into()),
         ("f 1 2 0", "m.obj:5: f: a vertex index counts from 1, not 0".into()),
         (
             "f 1 2 4\n\nf 1 2 9\nf 1 2 3",
@@ -189,31 +77,14 @@ fn each_obj_error_names_the_line() {
         ("f 1 2 a", "m.obj:5: f: expected a vertex index, not `a`".into()),
         ("f 1 2 //1", "m.obj:5: f: expected a vertex index, not ``".into()),
         (
-            "f 1 2 3/1/1/1",
-            "m.obj:5: f: expected a corner v, v/vt, v//vn or v/vt/vn, not `3/1/1/1`".into(),
-        ),
-        (
             "f 1 2 99999999999999999999",
             "m.obj:5: f: expected a vertex index, not `99999999999999999999`".into(),
         ),
-        // This one makes the crate that reads OBJ overflow.
-        (
-            "vn 0 0 1\nf 1 2 3//6148914691236517206",
-            "m.obj:6: f: expected a normal index from 1 to 1, not 6148914691236517206".into(),
-        ),
-        (
-            "f 1 2 3//9223372036854775807",
-            "m.obj:5: f: expected a normal index from 1 to 0, not 9223372036854775807".into(),
-        ),
-        (
-            "f 1 2 3//-9223372036854775808",
-            "m.obj:5: f: the normal index -9223372036854775808 points before the first of 0".into(),
-        ),
-        ("usemtl", "m.obj:5: usemtl: expected the name of a material".into()),
-        ("mtllib ", "m.obj:5: mtllib: expected the name of a file".into()),
     ] {
         assert_eq!(message(obj(&format!("{TRIANGLE}{lines}"))), expected, "{lines}");
     }
+    assert_eq!(message(obj("\n\u{1}\0\0")), "m.obj:2: expected text, found a zero byte");
+    assert_eq!(message(obj("")), "m.obj: the file is empty");
     for lines in ["# nothing", "v 0 0 0\nv 1 0 0\nv 0 1 0", "v 0 0 0\nf 1\nf 1 1", "hello\nworld"] {
         assert_eq!(
             message(obj(lines)),
@@ -235,6 +106,8 @@ fn syntax_that_other_programs_write() {
         "v\t0\t0\t0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf\t1/1\t2/1/\t3/1",
         "# C:\\\nv 0 0 0\nv 1 0 0\nv 0 \\\n 1 0\nf 1 \\\n2 \\\n3",
         "v 0 0 0 1\nv 2 0 0 2\nv 0 1 0\ns off\nf 1 2 3",
+        "V 0 0 0\nV 1 0 0\nV 0 1 0\nF 1 2 3",
+        "v 0 0 0\n\u{feff}v 1 0 0\nv 0 1 0\nf 1 2 3",
     ] {
         let (builder, report) = obj(lines).unwrap();
         assert_eq!(warnings(&report), [""; 0], "{lines}");
@@ -244,7 +117,15 @@ fn syntax_that_other_programs_write() {
     for (lines, warning) in [
         ("v 5 5 5 1 0 0\n", "m.obj:5: a colour of a vertex is not supported and left out"),
         ("p 1\nl 1 2\np 2\n", "m.obj:5: `p` is not supported and left out (2 lines)"),
-        ("f 1 2\nf 1\n", "m.obj: 2 faces of fewer than three corners are left out"),
+        ("f 1 2\nf 1\nf", "m.obj:5: f: a face of fewer than three corners is left out (3 faces)"),
+        (
+            "v 0 0 0 0\nv 1 1 1 inf\nv 1 1 1 nan\nv 1 1 1 red\n",
+            "m.obj:5: v: expected a weight other than 0, not `0`: none is used (4 lines)",
+        ),
+        (
+            "v 0 0 0\\\nv 1 1 1\n",
+            "m.obj:5: the backslash at the end of this line continues nothing",
+        ),
     ] {
         let (builder, report) = obj(&format!("{TRIANGLE}{lines}")).unwrap();
         assert_eq!((warnings(&report)[0].as_str(), builder.shapes()), (warning, 1));
@@ -296,8 +177,8 @@ fn polygons_that_cross_themselves_are_counted() {
     assert!(counts.triangles + counts.duplicates >= 4);
     assert_eq!(
         warnings(&report),
-        ["m.obj:6: f: the outline of 2 polygons, this one first, crosses itself: their triangles \
-          may overlap or leave gaps"]
+        ["m.obj:6: f: the outline of this polygon crosses itself: its triangles may overlap or \
+          leave gaps (2 polygons)"]
     );
 }
 
@@ -335,4 +216,121 @@ fn normals_are_smooth_across_parts_and_flat_where_they_are_missing() {
         said,
         ["m.obj: the normal of 3 vertices is zero or not finite: that of the face is used"]
     );
+}
+
+/// `#` begins a comment on every statement, with a blank before it or, behind numbers, without.
+#[test]
+fn comments_may_follow_every_statement() {
+    for lines in [
+        "v 0 0 0 # corner A\nv 1 0 0 #B\nv 0 1 0\t# C\nf 1 2 3 # all",
+        "v 0 0 0#1\nv 1 0 0#2\nv 0 1 0 #\nf 1 2 3#end",
+        "v 0 0 0 1 # no colour 1 2\nv 1 0 0\nv 0 1 0\ns off # flat\nf 1/1 2/1 3/1 # f 4 5 6",
+        "v 0 0 0 # C:\\\nv 1 0 0\nv 0 1 0\nf 1 2 \\ # goes on\n3 # here",
+        "g a # group\no b # object\nvt 0 0 # texture\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n#end",
+    ] {
+        let (builder, report) = obj(lines).unwrap();
+        assert_eq!(warnings(&report), [""; 0], "{lines}");
+        let expected = [[DVec3::ZERO, DVec3::X, DVec3::Y]];
+        assert_eq!(triangles(&builder.build()), expected, "{lines}");
+    }
+}
+
+fn corner_normals(builder: burnish::scene::SceneBuilder) -> Vec<[f32; 3]> {
+    let scene = builder.build();
+    let geometry = scene.geometry();
+    let of_corner = |i: u32| geometry.vertices()[i as usize].normal;
+    geometry.faces().iter().flat_map(|face| face.vertices).map(of_corner).collect()
+}
+
+/// Normals that are named and not there: the face's own, which is written as zero, and counted.
+#[test]
+fn normals_that_are_not_there_are_the_face_s() {
+    let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 1 1\n";
+    let told = "f: a corner names a normal that is not there: the face's own is used";
+    for (faces, missing, line) in [
+        ("f 1/1/0 2/1/1 3/1/1\nf 1/1/1 3/1/1 4/1/0", vec![0, 5], 6),
+        ("f 1//0 2//0 3//0\nf 1//0 3//0 4//0", vec![0, 1, 2, 3, 4, 5], 6),
+        ("f 1//1 2//1 3//1\n\nf 1//2 3//-2 4//99999999999999999999", vec![3, 4, 5], 8),
+        ("f 1//1 2//1 3//1\nf 1//x 3//-9223372036854775808 4//1", vec![3, 4], 7),
+        ("f 1//9223372036854775807 2//6148914691236517206 3//1\nf 1//1 3//1 4//1", vec![0, 1], 6),
+        ("f 1//0 2//-0 3//1 4//1", vec![0, 1, 3], 6),
+    ] {
+        let (builder, report) = obj(&format!("{square}{faces}\n")).unwrap();
+        let counted = warnings(&report);
+        assert!(counted[0].starts_with(&format!("m.obj:{line}: {told}")), "{counted:?}");
+        let found = corner_normals(builder);
+        assert_eq!(found.len(), 6);
+        for (i, normal) in found.iter().enumerate() {
+            assert_eq!(*normal == [0.0; 3], missing.contains(&i), "{faces}: {i}");
+        }
+    }
+    // No normal at all in the file, and lines that are none.
+    let (builder, report) = obj(&format!("{}f 1//1 2//1 3//1 4//1\n", &square[..32])).unwrap();
+    assert!(warnings(&report)[0].ends_with("the face's own is used (4 corners)"));
+    assert!(corner_normals(builder).iter().all(|n| *n == [0.0; 3]));
+    let (builder, report) =
+        obj(&format!("{square}vn 0 0\nvn up\nvn\nvn 0 0 1\nf 1//4 2//5 3//2\n")).unwrap();
+    assert_eq!(
+        warnings(&report)[0],
+        "m.obj:6: expected three numbers, `vn x y z`: the face's own is used (3 lines)"
+    );
+    assert_eq!(corner_normals(builder), [[0.0; 3], [0.0, 0.0, 1.0], [0.0; 3]]);
+}
+
+/// Numbers that are none, as C libraries print them: a normal falls back to the face's, a triangle
+/// with such a corner is left out, and both are counted.
+#[test]
+fn what_is_no_number_is_read_in_every_spelling() {
+    for odd in [
+        "nan",
+        "-nan",
+        "-nan(ind)",
+        "NAN(0x7fffff)",
+        "-1.#IND",
+        "1.#QNAN",
+        "1.#QNAN0",
+        "1.#SNAN",
+        "-1.#IND000",
+        "inf",
+        "-inf",
+        "1.#INF",
+        "-1.#INF00",
+        "Infinity",
+        "1.#J",
+        "1e999",
+        "-NaN",
+        "nan(snan)",
+        "1.#IND",
+        "INFINITY",
+        "-1.#IND00e+000",
+    ] {
+        let normal = format!("v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nvn {odd} {odd} 0 # {odd}\n");
+        let (builder, report) = obj(&format!("{normal}f 1//1 2//1 3//2\n")).unwrap();
+        assert_eq!(
+            warnings(&report),
+            ["m.obj: the normal of 1 vertices is zero or not finite: that of the face is used"],
+            "{odd}"
+        );
+        assert_eq!(corner_normals(builder)[2], [0.0; 3]);
+        let vertex = format!("{TRIANGLE}v 0 {odd} 0#{odd}\nf 1 2 4\n");
+        let (builder, report) = obj(&vertex).unwrap();
+        assert_eq!(builder.shapes(), 1);
+        assert_eq!(
+            warnings(&report),
+            ["m.obj: 1 of 2 triangles are left out: 1 with a vertex that is not finite or beyond \
+              1e18"],
+            "{odd}"
+        );
+    }
+}
+
+/// A million lines of each doubt are one warning each, in a moment.
+#[test]
+fn a_million_doubts_are_few_warnings() {
+    let doubts = "v 0 0 0 0\nvn x\ns x\nusemtl\nmtllib\nf 1\nf 1//0 2//9 3/1/1/1\nodd\n\
+                  f 1 2 3\\\nv 0 0 0 \\\n1\n";
+    let text = TRIANGLE.to_owned() + &doubts.repeat(100_000);
+    let (builder, report) = obj(&text).unwrap();
+    assert!(builder.shapes() > 0);
+    assert!((5..20).contains(&report.warnings.len()), "{:?}", warnings(&report));
 }

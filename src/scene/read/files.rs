@@ -1,12 +1,16 @@
 //! Where the files that a file refers to come from: the disk, or memory.
 
+use super::text::{decode_names, raw};
 use crate::scene::{Source, SourceFile, builtin};
 use sha2::{Digest, Sha256};
 use std::borrow::Cow;
 use std::cell::RefCell;
+use std::collections::{HashMap, HashSet};
+use std::ffi::OsString;
 use std::fs;
 use std::io::{Error, ErrorKind};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
+use std::sync::{Arc, Mutex};
 
 /// Finds the models and material libraries that a scene or model names.
 pub trait Files {
@@ -17,24 +21,80 @@ pub trait Files {
 
 /// Files on disk: beside the file that names them, else in the working directory. A model that is
 /// in neither may be one of the shipped scenes', so that an edited copy of those can be anywhere.
+/// At last a file beside counts whose name differs in capitals alone.
 #[derive(Clone, Debug)]
 pub struct Disk {
     folder: PathBuf,
+    /// What folders hold, by names without capitals; listed once, when it is first asked for.
+    listings: Arc<Mutex<HashMap<PathBuf, Listing>>>,
 }
+
+type Listing = HashMap<String, OsString>;
 
 impl Disk {
     /// For what the file at `path` refers to.
     pub fn beside(path: &Path) -> Disk {
-        Disk { folder: path.parent().unwrap_or(Path::new("")).to_owned() }
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        Disk { folder, listings: Arc::default() }
+    }
+
+    /// The file of this name, whatever its capitals and those of its folders.
+    fn in_any_case(&self, name: &Path) -> Option<PathBuf> {
+        let mut found = self.folder.clone();
+        for component in name.components() {
+            match component {
+                Component::CurDir => {}
+                Component::ParentDir => found.push(".."),
+                Component::Normal(name) if found.join(name).exists() => found.push(name),
+                Component::Normal(name) => {
+                    let mut listings = self.listings.lock().ok()?;
+                    let listing = listings.entry(found.clone()).or_insert_with(|| listing(&found));
+                    found.push(listing.get(&without_capitals(name.as_encoded_bytes()))?);
+                }
+                Component::RootDir | Component::Prefix(_) => return None,
+            }
+        }
+        Some(found)
+    }
+}
+
+/// Of names that differ in capitals alone, the first in the order of their bytes counts.
+fn listing(folder: &Path) -> Listing {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut names: Vec<OsString> = entries.map(|entry| entry.file_name()).collect();
+    names.sort_unstable_by(|a, b| b.cmp(a));
+    names.into_iter().map(|name| (without_capitals(name.as_encoded_bytes()), name)).collect()
+}
+
+fn without_capitals(name: &[u8]) -> String {
+    decode_names(name).to_lowercase()
+}
+
+/// A name as its file had it, which need not be text.
+fn path_of(name: &str) -> PathBuf {
+    #[cfg(unix)]
+    {
+        use std::os::unix::ffi::OsStringExt;
+        OsString::from_vec(raw(name)).into()
+    }
+    #[cfg(not(unix))]
+    {
+        String::from_utf8_lossy(&raw(name)).into_owned().into()
     }
 }
 
 impl Files for Disk {
     fn find(&self, name: &str) -> Result<(PathBuf, Cow<'_, [u8]>), Error> {
-        let candidates = [self.folder.join(name), PathBuf::from(name)];
+        let wanted = path_of(name);
+        let candidates = [self.folder.join(&wanted), wanted.clone()];
         let Some(path) = candidates.into_iter().find(|path| path.exists()) else {
             if let Some(bytes) = builtin::model(name) {
                 return Ok((PathBuf::from(name), Cow::Borrowed(bytes)));
+            }
+            if let Some(path) = self.in_any_case(&wanted).filter(|path| path.is_file()) {
+                let bytes = load(&path)?;
+                return Ok((path, Cow::Owned(bytes)));
             }
             let text = "it is neither beside this file nor in the working directory";
             return Err(Error::new(ErrorKind::NotFound, text));
@@ -44,7 +104,8 @@ impl Files for Disk {
     }
 }
 
-/// Files in memory, as pairs of name and content.
+/// Files in memory, as pairs of name and content. Capitals count only between names that differ
+/// in nothing else.
 ///
 /// The built-in scene brings its models this way.
 #[derive(Clone, Copy, Debug)]
@@ -52,8 +113,10 @@ pub struct Memory<'a>(pub &'a [(&'a str, &'a [u8])]);
 
 impl Files for Memory<'_> {
     fn find(&self, name: &str) -> Result<(PathBuf, Cow<'_, [u8]>), Error> {
-        match self.0.iter().find(|(known, _)| *known == name) {
-            Some((_, bytes)) => Ok((PathBuf::from(name), Cow::Borrowed(bytes))),
+        let exact = self.0.iter().find(|(known, _)| *known == name);
+        let in_any_case = || self.0.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
+        match exact.or_else(in_any_case) {
+            Some((known, bytes)) => Ok((PathBuf::from(known), Cow::Borrowed(bytes))),
             None => Err(Error::new(ErrorKind::NotFound, "there is no such file")),
         }
     }
@@ -63,6 +126,7 @@ impl Files for Memory<'_> {
 pub(super) struct Recorder<'a> {
     files: &'a dyn Files,
     seen: RefCell<Vec<SourceFile>>,
+    names: RefCell<HashSet<String>>,
 }
 
 impl<'a> Recorder<'a> {
@@ -70,7 +134,7 @@ impl<'a> Recorder<'a> {
     pub(super) fn new(own: &Path, bytes: &[u8], files: &'a dyn Files) -> Recorder<'a> {
         let name = own.file_name().unwrap_or(own.as_os_str()).to_string_lossy();
         let own = record(&name, own.to_owned(), bytes);
-        Recorder { files, seen: RefCell::new(vec![own]) }
+        Recorder { files, seen: RefCell::new(vec![own]), names: RefCell::default() }
     }
 
     pub(super) fn finish(self) -> Source {
@@ -81,9 +145,8 @@ impl<'a> Recorder<'a> {
 impl Files for Recorder<'_> {
     fn find(&self, name: &str) -> Result<(PathBuf, Cow<'_, [u8]>), Error> {
         let (path, bytes) = self.files.find(name)?;
-        let mut seen = self.seen.borrow_mut();
-        if !seen.iter().skip(1).any(|file| file.name == name) {
-            seen.push(record(name, path.clone(), &bytes));
+        if self.names.borrow_mut().insert(name.to_owned()) {
+            self.seen.borrow_mut().push(record(name, path.clone(), &bytes));
         }
         Ok((path, bytes))
     }

@@ -80,30 +80,54 @@ impl Log {
     }
 }
 
-/// Counts what is not supported, by kind, so that each kind becomes one warning.
+/// Counts what is doubtful, by kind, so that each kind becomes one warning.
 #[derive(Default)]
-pub(super) struct Unsupported {
-    kinds: HashMap<String, (usize, usize)>,
+pub(super) struct Doubts {
+    kinds: HashMap<String, Doubt>,
 }
 
-impl Unsupported {
-    /// One more of this kind, on this line.
-    pub(super) fn add(&mut self, kind: &str, line: usize) {
+struct Doubt {
+    line: usize,
+    count: usize,
+    unit: &'static str,
+    text: String,
+}
+
+impl Doubts {
+    /// One more of this kind, on this line. What the first says stands for all.
+    pub(super) fn add(&mut self, kind: &str, line: usize, text: impl FnOnce() -> String) {
+        self.add_one(kind, line, "lines", text);
+    }
+
+    /// Like [`Doubts::add`], where not lines are counted but things of this name.
+    pub(super) fn add_one(
+        &mut self,
+        kind: &str,
+        line: usize,
+        unit: &'static str,
+        text: impl FnOnce() -> String,
+    ) {
         match self.kinds.get_mut(kind) {
-            Some((_, count)) => *count += 1,
+            Some(doubt) => doubt.count += 1,
             None => {
-                self.kinds.insert(kind.to_owned(), (line, 1));
+                let doubt = Doubt { line, count: 1, unit, text: text() };
+                self.kinds.insert(kind.to_owned(), doubt);
             }
         }
     }
 
+    /// Something that is not supported.
+    pub(super) fn unsupported(&mut self, kind: &str, line: usize) {
+        self.add(kind, line, || format!("{kind} is not supported and left out"));
+    }
+
     /// One warning a kind, at the line where it first occurs.
     pub(super) fn report(self, log: &mut Log) {
-        let mut kinds: Vec<_> = self.kinds.into_iter().map(|(k, (line, n))| (line, k, n)).collect();
-        kinds.sort_unstable();
-        for (line, kind, count) in kinds {
-            let times = if count > 1 { format!(" ({count} lines)") } else { String::new() };
-            log.warn(Some(line), format!("{kind} is not supported and left out{times}"));
+        let mut doubts: Vec<Doubt> = self.kinds.into_values().collect();
+        doubts.sort_unstable_by(|a, b| (a.line, &a.text).cmp(&(b.line, &b.text)));
+        for Doubt { line, count, unit, text } in doubts {
+            let times = if count > 1 { format!(" ({count} {unit})") } else { String::new() };
+            log.warn(Some(line), text + &times);
         }
     }
 }

@@ -18,6 +18,76 @@ pub(super) fn decode<'a>(bytes: &'a [u8], log: &Log) -> Result<Cow<'a, str>, Rea
     Ok(String::from_utf8_lossy(bytes))
 }
 
+/// The text of a file whose names are bytes: no two spellings become one, and [`raw`] gives back
+/// what was there. UTF-16 is known by its byte order mark, or by the zeros of its first characters.
+pub(super) fn decode_names(bytes: &[u8]) -> Cow<'_, str> {
+    let utf16 = |wide: fn([u8; 2]) -> u16, bytes: &[u8]| {
+        let units: Vec<u16> = bytes.chunks_exact(2).map(|pair| wide([pair[0], pair[1]])).collect();
+        Cow::Owned(String::from_utf16_lossy(&units))
+    };
+    match bytes {
+        [0xff, 0xfe, rest @ ..] => return utf16(u16::from_le_bytes, rest),
+        [0xfe, 0xff, rest @ ..] => return utf16(u16::from_be_bytes, rest),
+        [a, 0, b, 0, ..] if *a != 0 && *b != 0 => return utf16(u16::from_le_bytes, bytes),
+        [0, a, 0, b, ..] if *a != 0 && *b != 0 => return utf16(u16::from_be_bytes, bytes),
+        _ => {}
+    }
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    // All that the private characters begin with in UTF-8.
+    match std::str::from_utf8(bytes) {
+        Ok(text) if !bytes.contains(&0xf4) => Cow::Borrowed(text),
+        _ => Cow::Owned(private(bytes)),
+    }
+}
+
+/// A byte that is not text is kept as a character of private use, this one plus the byte. Where a
+/// file has such characters itself, their bytes are kept in the same way.
+const PRIVATE: u32 = 0x10_fe00;
+
+fn private(bytes: &[u8]) -> String {
+    let of = |byte: u8| char::from_u32(PRIVATE + u32::from(byte));
+    let mut text = String::with_capacity(bytes.len());
+    for chunk in bytes.utf8_chunks() {
+        for c in chunk.valid().chars() {
+            match byte_of(c) {
+                None => text.push(c),
+                Some(_) => text.extend(c.encode_utf8(&mut [0; 4]).bytes().filter_map(of)),
+            }
+        }
+        text.extend(chunk.invalid().iter().copied().filter_map(of));
+    }
+    text
+}
+
+/// The byte that a private character stands for.
+fn byte_of(c: char) -> Option<u8> {
+    u32::from(c).checked_sub(PRIVATE).and_then(|byte| u8::try_from(byte).ok())
+}
+
+/// The bytes that a piece of decoded text was read from.
+pub(super) fn raw(text: &str) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(text.len());
+    for c in text.chars() {
+        match byte_of(c) {
+            Some(byte) => bytes.push(byte),
+            None => bytes.extend(c.encode_utf8(&mut [0; 4]).bytes()),
+        }
+    }
+    bytes
+}
+
+/// A name for people, in which bytes that are not text are written `\xe4`.
+pub(super) fn readable(name: &str) -> String {
+    let mut text = String::with_capacity(name.len());
+    for c in name.chars() {
+        match byte_of(c) {
+            Some(byte) => text.push_str(&format!("\\x{byte:02x}")),
+            None => text.push(c),
+        }
+    }
+    text
+}
+
 /// The lines with their numbers from 1, whether they end in LF, CR LF or CR.
 pub(in crate::scene) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     text.split('\n')
@@ -31,6 +101,10 @@ pub(in crate::scene) fn shown(token: &str) -> String {
     const LONGEST: usize = 60;
     let mut safe = String::new();
     for c in token.chars().take(LONGEST) {
+        if let Some(byte) = byte_of(c) {
+            safe.push_str(&format!("\\x{byte:02x}"));
+            continue;
+        }
         match c {
             '\'' | '"' | '\\' => safe.push(c),
             _ => safe.extend(c.escape_debug()),
@@ -40,6 +114,44 @@ pub(in crate::scene) fn shown(token: &str) -> String {
         safe.push('…');
     }
     safe
+}
+
+/// A number, in any spelling that C libraries print: `1.#QNAN`, `-nan(ind)`, `inf` and their like
+/// are what they mean.
+pub(super) fn number(token: &str) -> Option<f64> {
+    token.parse().ok().or_else(|| not_finite(token))
+}
+
+/// Infinity and not-a-number where Rust does not know the spelling.
+fn not_finite(token: &str) -> Option<f64> {
+    let (sign, word) = match token.strip_prefix('-') {
+        Some(rest) => (-1.0, rest),
+        None => (1.0, token.strip_prefix('+').unwrap_or(token)),
+    };
+    let word = word.to_ascii_lowercase();
+    // Microsoft's: `1.#INF`, `1.#QNAN0`, `1.#IND000`, `1.#INF00e+000`.
+    if let Some((digits, kind)) = word.split_once('#') {
+        let odd = |c: char| !c.is_ascii_alphanumeric() && !matches!(c, '+' | '-');
+        if !matches!(digits, "1." | "1" | "0." | "0") || kind.contains(odd) {
+            return None;
+        }
+        // With few digits asked for, the letters are rounded as digits are: `1.#J`, `1.#IO`.
+        let rounded = ["j", "io", "i", "q", "qo", "r", "s"];
+        let nan = ["nan", "ind", "qnan", "snan"].iter().any(|known| kind.starts_with(known));
+        return if kind.starts_with("inf") {
+            Some(sign * f64::INFINITY)
+        } else {
+            (nan || rounded.contains(&kind)).then_some(f64::NAN)
+        };
+    }
+    if word == "∞" {
+        return Some(sign * f64::INFINITY);
+    }
+    let rest = ["nan", "qnan", "snan"].iter().find_map(|known| word.strip_prefix(known))?;
+    let more = matches!(rest, "" | "q" | "s")
+        || (rest.starts_with('(') && rest.ends_with(')'))
+        || rest.strip_prefix("0x").is_some_and(|r| r.bytes().all(|b| b.is_ascii_hexdigit()));
+    more.then_some(f64::NAN)
 }
 
 /// Splits off the longest prefix that is a decimal number, with what remains of the token.
@@ -95,6 +207,80 @@ mod tests {
         }
         for token in ["", ".", "-", "+.", "e5", "nan", "inf", "é"] {
             assert_eq!(leading_number(token), None, "{token}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_number_is_read_in_every_spelling() {
+        for token in [
+            "nan",
+            "NaN",
+            "-nan",
+            "+NAN",
+            "-nan(ind)",
+            "nan(snan)",
+            "NAN(0x8000000000000)",
+            "NaNQ",
+            "nans",
+            "nan0x7fffffff",
+            "1.#QNAN",
+            "-1.#IND",
+            "1.#IND000",
+            "-1.#IND00e+000",
+            "1.#SNAN",
+            "1.#QNAN0",
+            "1.#J",
+            "-1.#J",
+            "1.#IO",
+            "-1.#R",
+            "1.#NAN",
+            "qnan",
+        ] {
+            assert!(number(token).is_some_and(f64::is_nan), "{token}");
+        }
+        for token in ["inf", "+INF", "Infinity", "1.#INF", "1.#INF00", "1.#inf00e+000", "∞"] {
+            assert_eq!(number(token), Some(f64::INFINITY), "{token}");
+        }
+        for token in ["-inf", "-Infinity", "-1.#INF", "-1.#INF00", "-∞"] {
+            assert_eq!(number(token), Some(f64::NEG_INFINITY), "{token}");
+        }
+        for token in
+            ["", "-", "#", "1.#", "1.#x", "2.#INF", "nano", "nan(", "in", "0,5", "1.#INF;", "0x1p3"]
+        {
+            assert_eq!(number(token), None, "{token}");
+        }
+        assert_eq!(number("-.5e1"), Some(-5.0));
+    }
+
+    #[test]
+    fn no_two_names_become_one() {
+        let names: [&[u8]; 7] = [
+            b"M\xe4dd",
+            b"M\xf6dd",
+            "Mädd".as_bytes(),
+            "M\u{fffd}dd".as_bytes(),
+            "M\u{10fee4}dd".as_bytes(),
+            b"\x95\\",
+            b"\xc3\xf4",
+        ];
+        let mut seen = std::collections::HashSet::new();
+        for name in names {
+            let text = decode_names(name);
+            assert!(seen.insert(text.clone().into_owned()), "{text:?}");
+            assert_eq!(raw(&text), name);
+        }
+        assert_eq!(shown(&decode_names(b"M\xe4dd")), "M\\xe4dd");
+        assert_eq!(readable(&decode_names("a\u{e4}".as_bytes())), "aä");
+        for (bytes, text) in [
+            (&b"\xff\xfev\0\xe4\0"[..], "vä"),
+            (b"\xfe\xff\0v\0\xe4", "vä"),
+            (b"\xef\xbb\xbfv", "v"),
+            (b"\xff\xfev\0x", "v"),
+            (b"v\0 \x001\0", "v 1"),
+            (b"\0v\0 \x001", "v 1"),
+            (b"", ""),
+        ] {
+            assert_eq!(decode_names(bytes), text);
         }
     }
 
