@@ -316,8 +316,9 @@ fn names_are_bytes() {
 fn comments_follow_names_and_numbers() {
     let mtl = b"newmtl red # paint\nKd 0.8 0.1 0.1 # sRGB 231\nKs 0 0 0#none\nNs 10 # dull\n\
                 newmtl red#2 #x\nKd .5";
-    let text = format!("mtllib d.mtl # materials\n{TRIANGLE}usemtl red # the paint\nf 1 2 3\n");
-    let text = text.replacen("v 0", "usemtl red\t#\nv 0", 1) + "usemtl red#2\nf 1 2 3\n";
+    let text =
+        format!("mtllib d.mtl # materials\n{TRIANGLE}usemtl red # the paint\nv 0 0 1\nf 1 2 4\n");
+    let text = text.replacen("v 0", "usemtl red\t#\nv 0", 1) + "usemtl red#2\nf 1 3 4\n";
     let (builder, report) =
         read::read(text.as_bytes(), "m.obj".as_ref(), &Memory(&[("d.mtl", mtl)])).unwrap();
     assert_eq!(warnings(&report), [""; 0]);
