@@ -211,8 +211,9 @@ struct Contents<'a> {
 }
 
 fn describe_scene(path: &Path, json: bool) -> Result<(), Failure> {
-    let (builder, report) = scene::read(Some(path))?;
+    let (builder, mut report) = scene::read(Some(path))?;
     let scene = builder.build();
+    scene.report(&mut report);
     if json {
         let contents = contents(&scene, &report);
         return print(serde_json::to_string_pretty(&contents).map_err(Failure::new)?);

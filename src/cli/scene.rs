@@ -27,21 +27,23 @@ pub(super) fn load(path: Option<&Path>) -> Result<Loaded, Failure> {
 /// [`load`], to be traced with this instruction set, or the widest.
 pub(super) fn load_for(path: Option<&Path>, isa: Option<Isa>) -> Result<Loaded, Failure> {
     let start = Instant::now();
-    let (builder, report) = read(path)?;
+    let (builder, mut report) = read(path)?;
     let load_s = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let mut scene = builder.build();
+    let build_s = start.elapsed().as_secs_f64();
+    scene.report(&mut report);
     for warning in &report.warnings {
         talk::warning(warning);
     }
     for note in &report.notes {
         talk::note(note);
     }
-    let start = Instant::now();
-    let mut scene = builder.build();
     if let Some(isa) = isa {
         scene.set_isa(isa);
     }
     let scene = Arc::new(scene);
-    let loaded = Loaded { scene, load_s, build_s: start.elapsed().as_secs_f64() };
+    let loaded = Loaded { scene, load_s, build_s };
     talk::detail(&loaded);
     Ok(loaded)
 }

@@ -1,5 +1,6 @@
 //! The tree: built by obvhs as a binary one, then widened to eight children a node.
 
+use super::coincident::{self, Coincident};
 use super::extent::Extent;
 use super::pages::Pages;
 use super::plates::Plates;
@@ -69,6 +70,8 @@ pub struct Bvh {
     /// What is not in the tree, with its triangles for the exact test.
     pub(super) plates: Plates,
     pub(super) large: Vec<Pack>,
+    /// What lies in front where surfaces coincide.
+    pub(super) coincident: Coincident,
     pub(super) isa: Isa,
     pub(super) depth: usize,
 }
@@ -85,6 +88,7 @@ impl Bvh {
             extent: Extent::default(),
             large: large.chunks(8).map(|ids| Pack::of(geometry, ids)).collect(),
             plates,
+            coincident: Coincident::default(),
             isa: Isa::detect(),
             depth: 0,
         };
@@ -114,6 +118,18 @@ impl Bvh {
         drop(binary);
         twigs.widen(geometry, &mut bvh);
         bvh
+    }
+
+    /// Looks for surfaces that coincide and has rays meet [those in front](coincident) from now on;
+    /// `emits` tells of a material's index whether it does.
+    pub fn settle_coincident(&mut self, geometry: &mut Geometry, emits: &dyn Fn(u32) -> bool) {
+        self.coincident = coincident::find(self, geometry, emits);
+        geometry.least_error = self.coincident.least_error(geometry);
+    }
+
+    /// Surfaces that coincide.
+    pub(crate) fn coincident(&self) -> &Coincident {
+        &self.coincident
     }
 
     /// The instruction set that rays are traced with.

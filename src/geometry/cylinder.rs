@@ -99,6 +99,12 @@ impl Cylinder {
         SurfacePoint { p, ng: n, ns: n, error }
     }
 
+    /// How high above the base a point is, and how far from the axis.
+    pub(super) fn height_and_distance(&self, p: V3) -> (f32, f32) {
+        let q = self.frame.to_local(p - self.base);
+        (q.z, (q.x * q.x + q.y * q.y).sqrt())
+    }
+
     /// The point at fractions `u`, `v` of turn and height on the side.
     pub fn side_point(&self, cos: f32, sin: f32, v: f32) -> V3 {
         let q = V3::new(cos * self.radius, sin * self.radius, v * self.height);

@@ -3,9 +3,11 @@
 //! **The rule at edges and vertices.** A triangle is tested in the ray's own sheared frame, where
 //! each shared vertex gets the same two numbers in every triangle that has it; the side of an edge
 //! is then decided exactly. A ray through an edge or vertex hits all triangles that share it, so no
-//! ray slips between them; of hits at the same distance the lowest primitive index wins.
+//! ray slips between them; of hits at the same distance the lowest primitive index wins. Surfaces
+//! that share an area have [a rule of their own](coincident).
 
 mod bvh;
+mod coincident;
 mod cylinder;
 mod extent;
 mod offset;
@@ -47,6 +49,9 @@ pub struct Geometry {
     pub cylinders: Vec<Cylinder>,
     /// Of spheres and then cylinders.
     materials: Vec<u32>,
+    /// No surface point is taken to be known better than this, in each component. Above 0 where
+    /// surfaces coincide: what leaves the one in front has to be off the other as well.
+    least_error: f32,
 }
 
 /// A corner of triangles.
@@ -139,6 +144,7 @@ impl Geometry {
             spheres,
             cylinders,
             materials,
+            least_error: 0.0,
         };
         geometry.vertices.iter_mut().zip(vertices).for_each(|(place, vertex)| *place = vertex);
         geometry.faces.iter_mut().zip(faces).for_each(|(place, face)| *place = face);
@@ -194,6 +200,11 @@ impl Geometry {
         let vertices = &self.vertices[..];
         self.faces[triangle].vertices.map(|i| V3::from(vertices[i as usize].position))
     }
+    /// The least bound on a surface point's error, 0 unless surfaces coincide.
+    #[inline(always)]
+    pub(crate) fn least_error(&self) -> f32 {
+        self.least_error
+    }
     /// The point of a triangle at barycentric weights `b` of its second and third vertex.
     #[cfg(test)]
     pub(crate) fn triangle_surface(&self, triangle: usize, b: [f32; 2]) -> SurfacePoint {
@@ -202,10 +213,11 @@ impl Geometry {
     /// The surface at a hit of `ray`.
     #[inline(always)]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        match self.kind(hit.primitive) {
+        let point = match self.kind(hit.primitive) {
             Kind::Triangle(i) => triangle::surface(self, i, hit.b),
             Kind::Sphere(i) => self.spheres[i].surface(ray.at(hit.t)),
             Kind::Cylinder(i) => self.cylinders[i].surface(ray.at(hit.t)),
-        }
+        };
+        SurfacePoint { error: point.error.max(V3::splat(self.least_error)), ..point }
     }
 }

@@ -114,6 +114,8 @@ trait Goal {
     /// Whether one hit, wherever, ends the search.
     const ANY: bool;
     fn answer(best: Hit) -> Self::Answer;
+    /// The answer where surfaces coincide.
+    fn settled(bvh: &Bvh, geometry: &Geometry, ray: &Ray, answer: Self::Answer) -> Self::Answer;
     /// The answer for a ray alone whose best hit so far is this.
     fn alone<W: Wide>(each: &mut Each<'_, Self>, ray: &Ray, ready: &Ready) -> Self::Answer
     where
@@ -137,6 +139,10 @@ impl Goal for Nearest {
         (best.primitive != NOTHING).then_some(best)
     }
     #[inline(always)]
+    fn settled(bvh: &Bvh, geometry: &Geometry, ray: &Ray, answer: Option<Hit>) -> Option<Hit> {
+        bvh.in_front(geometry, ray, answer)
+    }
+    #[inline(always)]
     fn alone<W: Wide>(each: &mut Each<'_, Nearest>, ray: &Ray, ready: &Ready) -> Option<Hit> {
         let Ready { sheared, best } = ready;
         each.bvh.closest_in_tree::<W>(each.geometry, ray, sheared, *best, each.stack)
@@ -152,6 +158,10 @@ impl Goal for Any {
     #[inline(always)]
     fn answer(best: Hit) -> bool {
         best.primitive != NOTHING
+    }
+    #[inline(always)]
+    fn settled(_: &Bvh, _: &Geometry, _: &Ray, answer: bool) -> bool {
+        answer
     }
     #[inline(always)]
     fn alone<W: Wide>(each: &mut Each<'_, Any>, ray: &Ray, ready: &Ready) -> bool {
@@ -245,18 +255,30 @@ impl<G: Goal> Each<'_, G> {
         self.answers.resize(self.queries.len(), G::NONE);
         if W::IN_TURN {
             self.in_turn::<W>();
-            return;
+        } else {
+            self.one_by_one::<W>();
         }
-        for (at, Query { ray, t_max }) in self.queries.iter().enumerate() {
-            if let Some(ready) = self.bvh.make_ready::<W>(ray, *t_max, self.plates) {
-                self.answers[at] = G::alone::<W>(&mut self, ray, &ready);
+        let Each { bvh, geometry, queries, answers, .. } = self;
+        if !bvh.coincident.is_empty() {
+            for (answer, Query { ray, .. }) in answers.iter_mut().zip(queries) {
+                *answer = G::settled(bvh, geometry, ray, *answer);
             }
         }
     }
 
     #[inline(always)]
-    fn in_turn<W: Wide>(self) {
+    fn one_by_one<W: Wide>(&mut self) {
+        for (at, Query { ray, t_max }) in self.queries.iter().enumerate() {
+            if let Some(ready) = self.bvh.make_ready::<W>(ray, *t_max, self.plates) {
+                self.answers[at] = G::alone::<W>(self, ray, &ready);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn in_turn<W: Wide>(&mut self) {
         let Each { bvh, geometry, queries, plates, stack, answers } = self;
+        let (bvh, geometry, queries, plates) = (*bvh, *geometry, *queries, *plates);
         let (nodes, packs) = (&bvh.nodes[..], &bvh.packs[..]);
         let Streams { travellers, enter: distances, words } = &mut stack.1;
         let mut source = Source::<G> { bvh, queries, plates, next: 0, goal: PhantomData };

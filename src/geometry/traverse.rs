@@ -159,7 +159,19 @@ impl Bvh {
         for pack in &self.large {
             take_nearest::<W>(&mut best, pack, &sheared);
         }
-        self.closest_in_tree::<W>(geometry, ray, &sheared, best, stack)
+        let hit = self.closest_in_tree::<W>(geometry, ray, &sheared, best, stack);
+        self.in_front(geometry, ray, hit)
+    }
+
+    /// The hit, or what coincides with it and lies in front.
+    #[inline(always)]
+    pub(super) fn in_front(&self, geometry: &Geometry, ray: &Ray, hit: Option<Hit>) -> Option<Hit> {
+        match hit {
+            Some(hit) if self.coincident.may_be_behind(hit.primitive) => {
+                Some(self.coincident.foremost(geometry, ray, hit))
+            }
+            hit => hit,
+        }
     }
 
     /// The nearer of the best hit so far and what the tree holds.

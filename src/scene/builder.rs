@@ -393,7 +393,7 @@ impl SceneBuilder {
             Cylinder::new(local(base), axis, scaled(height), scaled(r))
         };
         let materials = self.spheres.iter().map(|s| s.2.material);
-        let geometry = Geometry::new(
+        let mut geometry = Geometry::new(
             self.positions.into_iter().zip(self.normals).map(vertex),
             self.triangles.into_iter().zip(material_of).map(face),
             (
@@ -421,6 +421,8 @@ impl SceneBuilder {
             cylinders: geometry.cylinders.len(),
             duplicates: self.duplicates,
         };
+        let mut bvh = Bvh::build(&geometry);
+        bvh.settle_coincident(&mut geometry, &|m| self.materials[m as usize].emits());
         let aspect = self.screen[0] as f64 / self.screen[1].max(1) as f64;
         Scene {
             name: self.name,
@@ -429,7 +431,7 @@ impl SceneBuilder {
             camera: self.camera.unwrap_or_else(|| Camera::framing(low, high, aspect)),
             environment: self.environment,
             materials: self.materials,
-            bvh: Bvh::build(&geometry),
+            bvh,
             geometry,
             surfaces: lights,
             placement,

@@ -8,6 +8,7 @@
 mod builder;
 pub mod builtin;
 mod camera;
+mod coinciding;
 mod doubles;
 mod material;
 mod normals;
@@ -20,6 +21,7 @@ pub mod write;
 
 pub use builder::{MAX_COORDINATE, Mesh, MeshCounts, SceneBuilder, ShapeError, Smooth};
 pub use camera::{Camera, CameraError};
+pub use coinciding::Coinciding;
 pub use material::{Material, MaterialError, MaterialId};
 pub use normals::NormalCounts;
 pub use rays::CameraRays;

@@ -125,7 +125,7 @@ impl Tracer {
             let (p, lobes) = (vertex.point.p, view.lobes());
             let receiver = Receiver::new(p, vertex.frame, event == 0, lobes, vertex.wo);
             if self.lights.count() > 0
-                && let light = self.lights.sample(geometry, &receiver, choice, u)
+                && let light = self.lights.sample(bvh, geometry, &receiver, choice, u)
                 && light.found
                 && let Some(wi) = vertex.inwards(rules, light.wi)
             {

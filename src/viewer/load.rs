@@ -114,12 +114,14 @@ fn build(source: Source, again: bool) -> Result<Loaded, Failed> {
         Source::Example(example) => example.read(),
         Source::File(path) => read::open(path),
     };
-    let (builder, report) = match read {
+    let (builder, mut report) = match read {
         Ok(read) => read,
         Err(e) => return Err(Failed { why: e.to_string(), files }),
     };
     if source.path().is_some() {
         files.extend(builder.source.files.iter().skip(1).map(|f| Stamp::of(&f.path)));
     }
-    Ok(Loaded { scene: Arc::new(builder.build()), report, source, again, files })
+    let scene = Arc::new(builder.build());
+    scene.report(&mut report);
+    Ok(Loaded { scene, report, source, again, files })
 }

@@ -27,7 +27,7 @@ impl Tracer {
         last: bool,
     ) -> usize {
         let zero = P::splat(0.0);
-        let geometry = self.scene.geometry();
+        let (bvh, geometry) = (self.scene.bvh(), self.scene.geometry());
         let Tables { materials } = &self.tables;
         let lights = &self.lights;
         let asks = lights.count() > 0;
@@ -96,7 +96,7 @@ impl Tracer {
                 let [_, light_choice] = stream.pair_bits(Slot::choice(event));
                 let u = pair::<P>(&stream, Slot::light(event));
                 let choice = unit::<P>(light_choice);
-                let mut light = lights.sample::<P>(geometry, &receiver, choice, u);
+                let mut light = lights.sample::<P>(bvh, geometry, &receiver, choice, u);
                 light.pdf = light.pdf * P::splat(count as f32);
                 let wi = frame.to_local(light.wi);
                 let above = M::cosine(wi.z).gt(zero) & M::cosine(point.ng.dot(light.wi)).gt(zero);

@@ -99,6 +99,8 @@ pub(super) struct Met {
     /// Normals of a smooth triangle's corners.
     normals: [Columns3; 3],
     kind: Column<u32>,
+    /// [`Geometry::least_error`]
+    least_error: f32,
 }
 
 /// So many triangles and their corners are in the processor's caches anyway.
@@ -178,6 +180,7 @@ impl Met {
     #[inline(always)]
     pub(super) fn fetch<W: Wide>(&mut self, geometry: &Geometry, paths: &Paths, count: usize) {
         let (faces, vertices) = (geometry.faces(), geometry.vertices());
+        self.least_error = geometry.least_error();
         for at in 0..count {
             if faces.len() > MANY {
                 let primitives = &self.primitive.0[..count];
@@ -233,6 +236,7 @@ impl Met {
         let corners = [a.load::<P>(at), b.load::<P>(at), c.load::<P>(at)];
         let weights = [self.b[0].load::<P>(at), self.b[1].load::<P>(at)];
         let mut point = flat_surface(corners, weights);
+        point.error = point.error.max(V3::splat(P::splat(self.least_error)));
         let smooth = is::<P>(kind, SMOOTH);
         if smooth.any() {
             let [a, b, c] = &self.normals;

@@ -18,7 +18,7 @@ mod tree;
 pub(super) use estimate::Receiver;
 pub(super) use shapes::{Asked, SHADOW_END};
 
-use crate::geometry::{Extent, Geometry, Kind, NO_PLATE, Passing};
+use crate::geometry::{Bvh, Extent, Geometry, Kind, NO_PLATE, Passing};
 use crate::math::lanes::{Bits, Lane, Packet};
 use crate::math::table::Table;
 use crate::math::{Rgb, V3, warp};
@@ -51,6 +51,8 @@ pub(super) struct Lights {
     /// What they are, by place or as the tree has it. The environment, if it shines, is the last
     /// light and the last here.
     links: Vec<u32>,
+    /// First and last primitive of each light, where some are behind what they coincide with.
+    hidden: Vec<[u32; 2]>,
     /// Over lights that are more than [`FEW`].
     tree: Option<Tree>,
     /// Ranges of primitives that emit: first, count, and the first one's place in `light_of`.
@@ -83,6 +85,7 @@ impl Lights {
         let relative = |radiance: Rgb| (radiance.luminance() / brightest).clamp(1e-20, 1.0);
         let (mut records, mut bounds) = (Vec::new(), Vec::new());
         let (mut ranges, mut light_of) = (Vec::new(), Vec::new());
+        let (coincident, mut hidden) = (scene.bvh().coincident(), Vec::new());
         for surface in scene.surfaces() {
             let (radiance, shape) = (emits(surface.material), surface.shape);
             if radiance.is_black() {
@@ -101,13 +104,17 @@ impl Lights {
                 }
                 let [a, b] = primitives.map(|primitive| plates.plate_of(primitive));
                 let plate = if a == b { a } else { NO_PLATE };
-                records.push(shape.record(primitives[0], radiance, plate));
+                records.push(shape.record(primitives[0], radiance, plate, geometry.least_error()));
+                hidden.push(primitives);
                 bounds.push(shape.bound(relative(radiance)));
             }
         }
+        if hidden.iter().flatten().all(|&i| coincident.fronts(i).is_empty()) {
+            hidden.clear();
+        }
         let sky = if environment.is_black() { 0.0 } else { relative(environment) };
         if sky > 0.0 {
-            records.push(Shape::Environment.record(u32::MAX, environment, NO_PLATE));
+            records.push(Shape::Environment.record(u32::MAX, environment, NO_PLATE, 0.0));
         }
         let boxes = bounds.iter().map(|b| Extent { centre: b.centre, half: b.half });
         let extents = match bounds.len() {
@@ -130,6 +137,7 @@ impl Lights {
             records,
             branches,
             links,
+            hidden,
             tree,
             ranges,
             light_of,
@@ -178,10 +186,12 @@ impl Lights {
     }
 
     /// Directions from surface points, whose `ng` faces the viewer, towards some light each, by a
-    /// uniform number for which one and two for where on it. There has to be a light.
+    /// uniform number for which one and two for where on it. There has to be a light. Points that are
+    /// behind another surface in the same place are not found.
     #[inline(always)]
     pub(super) fn sample<P: Packet>(
         &self,
+        bvh: &Bvh,
         geometry: &Geometry,
         to: &Receiver<P>,
         choice: P,
@@ -191,6 +201,14 @@ impl Lights {
         let record = self.records.get::<P>(chosen.index);
         let mut asked = shapes::sample(geometry, &record, to, chosen.rest, u);
         asked.pdf = asked.pdf * chosen.probability;
+        if !self.hidden.is_empty() {
+            let mut lights = [0; 16];
+            P::store_bits(chosen.index, &mut lights);
+            asked.pass_over(|lane, p, ng| {
+                let primitives = self.hidden.get(lights[lane] as usize).into_iter().flatten();
+                primitives.copied().any(|i| bvh.coincident().is_behind(geometry, i, p, ng))
+            });
+        }
         let zero = P::splat(0.0);
         asked.found = asked.found & asked.pdf.gt(zero) & asked.pdf.lt(P::splat(f32::INFINITY));
         asked

@@ -15,6 +15,8 @@ pub(in crate::trace) const SHADOW_END: f32 = 1.0 - 16.0 * f32::EPSILON;
 /// Rounding a flat light's point, and meeting it again, costs less than this part of its largest
 /// coordinate, as for any triangle.
 const ERROR: f32 = 8.0 * f32::EPSILON;
+/// Spheres that coincide are met so many times their distance apart, at all but grazing angles.
+const SLACK: f32 = 16.0;
 /// A rectangle is near where the square of its diagonal is more than this part of the distance's...
 const NEAR: f32 = 2.0;
 /// ...and it does not look so narrow, in sr by its middle, that rounding would show.
@@ -77,7 +79,14 @@ impl Shape {
         }
     }
 
-    pub(super) fn record(&self, primitive: u32, radiance: Rgb, plate: u32) -> [f32; FIELDS] {
+    /// No point is taken to be known better than to `least_error`.
+    pub(super) fn record(
+        &self,
+        primitive: u32,
+        radiance: Rgb,
+        plate: u32,
+        least_error: f32,
+    ) -> [f32; FIELDS] {
         let mut r = [0.0; FIELDS];
         let mut set = |at: usize, v: V3| r[at..at + 3].copy_from_slice(&<[f32; 3]>::from(v));
         set(15, V3::new(radiance.r, radiance.g, radiance.b));
@@ -106,10 +115,12 @@ impl Shape {
         };
         r[0] = kind;
         r[13] = 1.0 / self.area();
+        r[14] = least_error;
         if let Shape::Flat(flat) = self {
             let [a, b] = flat.sides;
             let corners = [flat.corner, flat.corner + a, flat.corner + b, flat.corner + a + b];
-            r[14] = ERROR * corners.iter().map(|c| c.abs().max_component()).fold(0.0, f32::max);
+            let largest = corners.iter().map(|c| c.abs().max_component()).fold(0.0, f32::max);
+            r[14] = (ERROR * largest).max(least_error);
         }
         r[18] = f32::from_bits(plate);
         r[19] = f32::from_bits(primitive);
@@ -178,6 +189,8 @@ pub(in crate::trace) struct Asked<P: Lane> {
     target: SurfacePoint<P>,
     is_point: P::Mask,
     is_sphere: P::Mask,
+    /// How far before a sphere another one may be that coincides with it.
+    slack: P,
     /// Whether the direction is from outside a sphere and in its cone: it meets it for certain.
     is_in_cone: P::Mask,
 }
@@ -217,11 +230,32 @@ impl<P: Packet> Asked<P> {
             // nearest point will do. The traversal meets it at the same number, so just short of it
             // is short enough.
             let nearest = (centre - o).dot(self.wi).max(zero);
-            let t_max = P::select(met, t, nearest) * P::splat(1.0 - f32::EPSILON);
+            let t_max = P::select(met, t, nearest) * P::splat(1.0 - f32::EPSILON) - self.slack;
             way.t_max = P::select(self.is_sphere, t_max, way.t_max);
             way.meets = way.meets & (met | self.is_in_cone | !self.is_sphere);
         }
         way
+    }
+}
+
+impl<P: Packet> Asked<P> {
+    /// Drops the points of which this is true: by lane, point and normal. Of a sphere the point is
+    /// the centre.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn pass_over(&mut self, drops: impl Fn(usize, V3, V3) -> bool) {
+        let SurfacePoint { p, ng, .. } = self.target;
+        let mut columns = [[0.0; 16]; 6];
+        for (column, x) in columns.iter_mut().zip([p.x, p.y, p.z, ng.x, ng.y, ng.z]) {
+            x.store(column);
+        }
+        let live = (self.found & (self.is_point | self.is_sphere)).bits();
+        let mut dropped = 0;
+        for lane in (0..P::WIDTH).filter(|lane| live >> lane & 1 != 0) {
+            let [x, y, z, nx, ny, nz] = columns.map(|column| column[lane]);
+            dropped |= u32::from(drops(lane, V3::new(x, y, z), V3::new(nx, ny, nz))) << lane;
+        }
+        self.found = self.found & !P::mask(dropped);
     }
 }
 
@@ -288,6 +322,7 @@ pub(super) fn sample<P: Packet>(
         target: SurfacePoint { p: nothing, ng: nothing, ns: nothing, error: nothing },
         is_point,
         is_sphere,
+        slack: zero,
         is_in_cone: P::mask(0),
     };
     if is_point.any() {
@@ -350,6 +385,7 @@ pub(super) fn sample<P: Packet>(
         let wi = Frame::around(axis).to_world(warp::cone(u, one_minus_cos));
         asked.wi = V3::select(is_sphere, wi, asked.wi);
         asked.is_in_cone = outside;
+        asked.slack = light[14] * P::splat(SLACK);
         asked.pdf = P::select(is_sphere, warp::cone_pdf(one_minus_cos), asked.pdf);
         asked.target.p = V3::select(is_sphere, centre, asked.target.p);
         asked.target.error = V3::select(is_sphere, V3::splat(radius), asked.target.error);
@@ -444,5 +480,6 @@ fn sample_cylinder(geometry: &Geometry, index: usize, choice: f32, u: [f32; 2]) 
         let (sin, cos) = crate::math::special::sin_cos_2pi(u[0]);
         cylinder.side_point(cos, sin, u[1])
     };
-    cylinder.surface(p)
+    let point = cylinder.surface(p);
+    SurfacePoint { error: point.error.max(V3::splat(geometry.least_error())), ..point }
 }
