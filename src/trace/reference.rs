@@ -186,14 +186,14 @@ impl Tracer {
 
 impl Vertex {
     /// `wo` is unit. The geometric normal decides the sides: both normals are turned to the
-    /// viewer's. `None` where the two place the viewer on different sides, which carries nothing.
+    /// viewer's, and the shading normal is bent until he sees it. `None` for a surface that is seen
+    /// exactly edge on.
     #[inline(always)]
     fn facing(point: SurfacePoint, wo: V3) -> Option<Vertex> {
-        let ng = if point.ng.dot(wo) < 0.0 { -point.ng } else { point.ng };
-        let ns = if point.ns.dot(ng) < 0.0 { -point.ns } else { point.ns };
-        let frame = Frame::around(ns);
+        let point = point.turned_to(wo);
+        let frame = Frame::around(point.normal_for(wo).0);
         let wo = frame.to_local(wo);
-        (wo.z > 0.0).then_some(Vertex { point, ng, frame, wo })
+        (wo.z > 0.0).then_some(Vertex { point, ng: point.ng, frame, wo })
     }
 
     /// A world direction in the frame, where both normals have it on the viewer's side.

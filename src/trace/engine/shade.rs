@@ -4,7 +4,7 @@ use super::further::FirstPoints;
 use super::paths::Leaving;
 use super::{Bundle, Sums, Tables, lowest};
 use crate::brdf::Microfacet;
-use crate::geometry::{SurfacePoint, offset_origin};
+use crate::geometry::offset_origin;
 use crate::math::lanes::{Lane, Mask, Packet};
 use crate::math::sequence::{Slot, Stream, pair, unit};
 use crate::math::{Frame, Rgb, V3};
@@ -51,9 +51,12 @@ impl Tracer {
                 let cos = met.point.ng.dot(d).abs();
                 self.add_emission::<P>(bundle, at, emits, beta * material.emission, cos, event);
             }
-            // The geometric normal decides the sides: both normals are turned to the viewer's.
-            // Where the two place the viewer on different sides nothing is carried.
-            let point = facing(met.point, -d);
+            // The geometric normal decides the sides: both normals are turned to the viewer's, and the
+            // shading normal is bent until he sees it.
+            let mut point = met.point.turned_to(-d);
+            let own = point.ns;
+            let (bent, bends) = point.normal_for(-d);
+            point.ns = bent;
             let frame = Frame::around(point.ns);
             let wo = frame.to_local(-d);
             let go = hit & material.reflects & wo.z.gt(zero);
@@ -76,7 +79,11 @@ impl Tracer {
             let [lobe_choice, _] = stream.pair_bits(Slot::choice(event));
 
             let first = event == 0 && lights.choose_by_place();
-            let receiver = Receiver::new(point.p, frame, first, &material.lobes, wo);
+            // A second point has several viewers, each with a frame of his own; they have to agree on
+            // the densities of lights.
+            let bends = bends & P::mask(if is_second { u32::MAX } else { 0 });
+            let agreed = if bends.any() { Frame::around(own) } else { frame };
+            let receiver = Receiver::new(point.p, agreed, first, &material.lobes, wo);
             let mut looks = P::splat(1.0);
             if event == 0 {
                 looks = self.lookers(&bundle.further, &material.lobes);
@@ -99,7 +106,11 @@ impl Tracer {
                 let mut light = lights.sample::<P>(bvh, geometry, &receiver, choice, u);
                 light.pdf = light.pdf * P::splat(count as f32);
                 let wi = frame.to_local(light.wi);
-                let above = M::cosine(wi.z).gt(zero) & M::cosine(point.ng.dot(light.wi)).gt(zero);
+                let mut above = M::cosine(point.ng.dot(light.wi)).gt(zero);
+                // What is below the one viewer's normal may be above the other's.
+                if !is_second {
+                    above = above & M::cosine(wi.z).gt(zero);
+                }
                 let mut asked = go & light.found & above;
                 if asked.any() {
                     let mut found = light.radiance;
@@ -107,6 +118,7 @@ impl Tracer {
                     let way = light.way_from(o);
                     asked = asked & way.meets;
                     if is_second {
+                        let wi = V3::select(bends, agreed.to_local(light.wi), wi);
                         towards_light = (wi, light.pdf.or_zero(asked));
                     } else {
                         let e = view.eval::<M>(wi);
@@ -152,8 +164,14 @@ impl Tracer {
                     beta = Rgb::splat(one);
                 }
             }
+            let (mut wi, mut cos) = (next.wi, cos);
+            if bends.any() {
+                wi = V3::select(bends, agreed.to_local(d), wi);
+                cos = P::select(bends, wi.z, cos);
+                point.ns = own;
+            }
             if is_second {
-                let sampled = (next.wi, next.pdf.or_zero(goes));
+                let sampled = (wi, next.pdf.or_zero(goes));
                 let ways = [towards_light, sampled];
                 bundle.seconds.push::<P>(go, slot, &point, what, ways, next.f);
             }
@@ -280,13 +298,4 @@ fn store<P: Packet>(light: Rgb<P>) -> [[f32; 16]; 3] {
 pub(super) fn is_black<P: Lane>(c: Rgb<P>) -> P::Mask {
     let zero = P::splat(0.0);
     c.r.equal(zero) & c.g.equal(zero) & c.b.equal(zero)
-}
-
-/// A surface with both normals turned to the viewer's side.
-#[inline(always)]
-fn facing<P: Lane>(mut point: SurfacePoint<P>, wo: V3<P>) -> SurfacePoint<P> {
-    let zero = P::splat(0.0);
-    point.ng = V3::select(point.ng.dot(wo).lt(zero), -point.ng, point.ng);
-    point.ns = V3::select(point.ns.dot(point.ng).lt(zero), -point.ns, point.ns);
-    point
 }

@@ -69,7 +69,6 @@ impl Tracer {
             let p2 = splat(&seconds.point.p);
             let error2 = splat(&seconds.point.error);
             let ng2 = splat(&seconds.point.ng);
-            let ns2 = splat(&seconds.point.ns);
             let plate2 = P::Bits::splat(seconds.point.plate.0[entry]);
             let between = bvh.plates().between::<P>(seconds.point.p.get(entry).into(), bounds);
             for first in (0..run.len()).step_by(P::WIDTH) {
@@ -78,11 +77,11 @@ impl Tracer {
                 let there = !P::equal_bits(firsts.there.load::<P>(at), P::Bits::splat(0));
                 let (p1, ng1) = (from.p.load::<P>(at), from.ng.load::<P>(at));
                 let w = p2 - p1;
-                // Both sides of both surfaces, as each path asks of its own.
+                // The sides of both surfaces, as each path asks of its own. The second one's shading
+                // normal is bent for whoever looks.
                 let faces = ng1.dot(w).gt(zero)
                     & from.ns.load::<P>(at).dot(w).gt(zero)
-                    & ng2.dot(w).lt(zero)
-                    & ns2.dot(w).lt(zero);
+                    & ng2.dot(w).lt(zero);
                 let others = (others >> first) as u32 & lowest(run.len() - first);
                 let live = there & faces & P::mask(others);
                 if !live.any() {

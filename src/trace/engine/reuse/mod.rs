@@ -13,6 +13,10 @@
 //! the path to go on, and what arrives from there; each viewer evaluates the BRDF for itself, and
 //! the densities are those of point and direction together.
 //!
+//! A shading normal is [bent](crate::geometry) for whoever looks, so each pair of points has a frame
+//! of its own at `x2`. What does not depend on the viewer there are both directions, the light that
+//! arrives, and the density of asking for it, whose receiver has the surface's own normal.
+//!
 //! Light that `x1` emits, that it finds by asking, and that `x2` emits stays with its own path.
 
 mod join;
@@ -50,7 +54,7 @@ pub(super) struct Seconds {
     point: Points,
     asked: Directions,
     sampled: Directions,
-    /// BRDF in 1/sr of the sampled direction as its own path sees it.
+    /// BRDF in 1/sr of the sampled direction as its own path sees it, in the frame of that path.
     f: Columns3,
     /// Which of the group see it, by bit.
     seen: Vec<u128>,
@@ -64,7 +68,8 @@ pub(super) struct Seconds {
     pub(super) reflected: Vec<[f32; 3]>,
 }
 
-/// Surface points turned to their viewers.
+/// Surface points turned to their viewers. The shading normals of first points are bent for the
+/// camera, those of second ones are the surface's own: each first point bends them for itself.
 #[derive(Clone, Debug, Default)]
 struct Points {
     p: Columns3,

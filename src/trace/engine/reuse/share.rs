@@ -5,7 +5,8 @@ use super::super::shade::is_black;
 use super::super::surface::MaterialTable;
 use super::{Firsts, LARGEST, Runs, Seconds};
 use crate::brdf::{Lobes, Microfacet, View};
-use crate::math::lanes::Packet;
+use crate::geometry::bent;
+use crate::math::lanes::{Mask, Packet};
 use crate::math::special::INV_PI;
 use crate::math::{Frame, Rgb, V3};
 use crate::trace::Tracer;
@@ -186,12 +187,23 @@ impl Second {
         if !(all > 0.0 && per_all > 0.0) {
             return;
         }
+        let cosines = [self.asked.0.z, self.sampled.0.z];
+        if self.bends_for(viewers) {
+            self.evaluate_bent::<P, M>(viewers, pairs);
+            // Its own path knows the BRDF to more digits.
+            let back = V3::from(firsts.point.p.get(self.slot)) - self.p;
+            let (n, _) = bent(self.ng, self.frame.n, back.normalize());
+            let cos = n.dot(self.frame.to_world(self.sampled.0));
+            self.spread(viewers, pairs, (own, self.f * cos), matt, per_all, [1.0; 2]);
+            return;
+        }
         if self.lobes.ks.is_black() {
             let up = V3::new(0.0, 0.0, 1.0);
             let [asked, sampled] =
                 [self.asked.0, self.sampled.0].map(|wi| self.lobes.eval::<M>(up, wi));
-            let asked = self.by_asking(asked.pdf) * asked.f;
-            let lo = (asked + self.by_sampling(sampled.pdf) * sampled.f) * per_all;
+            let asked = self.by_asking(asked.pdf, cosines[0]) * asked.f;
+            let sampled = self.by_sampling(sampled.pdf, cosines[1]) * sampled.f;
+            let lo = (asked + sampled) * per_all;
             let lo = lo.splat_lanes::<P>();
             for (at, viewers) in (0..).step_by(P::WIDTH).zip(viewers) {
                 viewers.sum += pairs.carried_at::<P>(at, matt) * lo;
@@ -199,8 +211,24 @@ impl Second {
             return;
         }
         self.evaluate::<P, M>(viewers, pairs);
+        self.spread(viewers, pairs, (own, self.f), matt, per_all, cosines);
+    }
+
+    /// Adds up what was evaluated for all pairs, `f` for its own path's. The BRDFs are still to be
+    /// multiplied by these cosines.
+    #[inline(always)]
+    fn spread<P: Packet>(
+        &self,
+        viewers: &mut [Viewers<P>],
+        pairs: &mut Pairs,
+        (own, f): (usize, Rgb),
+        matt: bool,
+        per_all: f32,
+        cosines: [f32; 2],
+    ) {
+        let group = viewers.len() * P::WIDTH;
         pairs.pdf[1][own] = self.sampled.1;
-        for (row, f) in pairs.f[1].iter_mut().zip(<[f32; 3]>::from(self.f)) {
+        for (row, f) in pairs.f[1].iter_mut().zip(<[f32; 3]>::from(f)) {
             row[own] = f;
         }
         let mut densities = [0.0; 2];
@@ -212,8 +240,8 @@ impl Second {
             }
             *density = sum(&products, group) * per_all;
         }
-        let asked = (self.by_asking(densities[0]) * per_all).splat_lanes::<P>();
-        let sampled = (self.by_sampling(densities[1]) * per_all).splat_lanes::<P>();
+        let asked = (self.by_asking(densities[0], cosines[0]) * per_all).splat_lanes::<P>();
+        let sampled = (self.by_sampling(densities[1], cosines[1]) * per_all).splat_lanes::<P>();
         for (at, viewers) in (0..).step_by(P::WIDTH).zip(viewers) {
             let lo = pairs.f_at::<P>(0, at) * asked + pairs.f_at::<P>(1, at) * sampled;
             viewers.sum += pairs.carried_at::<P>(at, matt) * lo;
@@ -223,17 +251,17 @@ impl Second {
     /// What arrives from the asked light, times the cosine, over the density of its direction:
     /// by asking, and by sampling as the group does on the mean.
     #[inline(always)]
-    fn by_asking(&self, pdf: f32) -> Rgb {
-        over(self.light, self.asked.0.z, self.asked.1 + pdf)
+    fn by_asking(&self, pdf: f32, cos: f32) -> Rgb {
+        // Another viewer's normal might have had it above.
+        if cos > 0.0 { over(self.light, cos, self.asked.1 + pdf) } else { Rgb::BLACK }
     }
 
     /// The same for the sampled direction; light that was reflected there could not be asked for.
     #[inline(always)]
-    fn by_sampling(&self, pdf: f32) -> Rgb {
+    fn by_sampling(&self, pdf: f32, cos: f32) -> Rgb {
         if pdf <= 0.0 {
             return Rgb::BLACK;
         }
-        let cos = self.sampled.0.z;
         over(self.emitted, cos, self.emitted_pdf + pdf) + over(self.reflected, cos, pdf)
     }
 
@@ -272,6 +300,50 @@ impl Second {
             let cosines = viewers.frame.n.dot(away) * ng2.dot(away).abs() * inverse2;
             let density = cosines * P::splat(INV_PI) * inverse2;
             density.or_zero(seen).store(&mut pairs.density[at..]);
+        }
+    }
+
+    /// Whether the normal here is bent for any of those who see it.
+    #[inline(always)]
+    fn bends_for<P: Packet>(&self, viewers: &[Viewers<P>]) -> bool {
+        if self.frame.n == self.ng {
+            return false;
+        }
+        let p2 = self.p.splat_lanes::<P>();
+        let (ng, ns) = (self.ng.splat_lanes::<P>(), self.frame.n.splat_lanes::<P>());
+        for (at, viewers) in (0..).step_by(P::WIDTH).zip(viewers) {
+            let back = viewers.p - p2;
+            let wo = back * (P::splat(1.0) / back.length2()).sqrt();
+            if (P::mask((self.seen >> at) as u32) & bent(ng, ns, wo).1).any() {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// BRDFs, times the cosine, and densities at this point, in the frame that each viewer has here.
+    #[inline(always)]
+    fn evaluate_bent<P: Packet, M: Microfacet>(&self, viewers: &[Viewers<P>], pairs: &mut Pairs) {
+        let p2 = self.p.splat_lanes::<P>();
+        let (ng, ns) = (self.ng.splat_lanes::<P>(), self.frame.n.splat_lanes::<P>());
+        let lobes = self.lobes.splat_lanes::<P>();
+        let ways = [self.asked, self.sampled].map(|(wi, _)| self.frame.to_world(wi));
+        for (at, viewers) in (0..).step_by(P::WIDTH).zip(viewers) {
+            let seen = P::mask((self.seen >> at) as u32);
+            let back = viewers.p - p2;
+            let wo = back * (P::splat(1.0) / back.length2()).sqrt();
+            let frame = Frame::around(bent(ng, ns, wo).0);
+            let view = lobes.seen_from::<M>(frame.to_local(wo));
+            for (which, wi) in ways.into_iter().enumerate() {
+                let wi = frame.to_local(wi.splat_lanes());
+                let e = view.eval::<M>(wi);
+                let carries = seen & wi.z.gt(P::splat(0.0)) & !is_black(e.f);
+                let f = e.f * wi.z;
+                e.pdf.or_zero(carries).store(&mut pairs.pdf[which][at..]);
+                for (f, row) in [f.r, f.g, f.b].into_iter().zip(&mut pairs.f[which]) {
+                    f.or_zero(carries).store(&mut row[at..]);
+                }
+            }
         }
     }
 

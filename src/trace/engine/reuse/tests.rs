@@ -3,7 +3,7 @@
 use super::super::Bundle;
 use super::{Firsts, Points, Seconds};
 use crate::brdf::{Ggx, Lobes, Microfacet, Model, Phong};
-use crate::geometry::{Ray, offset_origin};
+use crate::geometry::{Ray, bent, offset_origin};
 use crate::math::lanes::Isa;
 use crate::math::{Frame, Rgb, V3};
 use crate::progressive::Params;
@@ -36,10 +36,7 @@ impl Points {
 /// Whether `first` sees `second`, both on the sides that they are met from.
 fn sees(tracer: &Tracer, first: &Point, second: &Point, scratch: &mut Scratch) -> bool {
     let w = second.p - first.p;
-    let faces = first.ng.dot(w) > 0.0
-        && first.frame.n.dot(w) > 0.0
-        && second.ng.dot(w) < 0.0
-        && second.frame.n.dot(w) < 0.0;
+    let faces = first.ng.dot(w) > 0.0 && first.frame.n.dot(w) > 0.0 && second.ng.dot(w) < 0.0;
     let o = offset_origin(first.p, first.error, first.ng, w);
     let d = offset_origin(second.p, second.error, second.ng, -w) - o;
     let ray = Ray { o, d };
@@ -78,10 +75,15 @@ fn naive<M: Microfacet>(
                 let wo = first.frame.to_local(V3::from(firsts.wo.get(i)));
                 let e = first.lobes.eval::<M>(wo, local);
                 let carried = wide(e.f).map(|f| f * f64::from(local.z) * geometry);
-                let back = second.frame.to_local(-wi);
+                // Each viewer has a frame of his own there.
+                let frame = Frame::around(bent(second.ng, second.frame.n, -wi).0);
                 let there = directions.map(|(d, _)| {
-                    let e = second.lobes.eval::<M>(back, d);
-                    (wide(e.f), f64::from(e.pdf))
+                    let d = frame.to_local(second.frame.to_world(d));
+                    if d.z <= 0.0 {
+                        return ([0.0; 3], 0.0);
+                    }
+                    let e = second.lobes.eval::<M>(frame.to_local(-wi), d);
+                    (wide(e.f).map(|f| f * f64::from(d.z)), f64::from(e.pdf))
                 });
                 (f64::from(e.pdf) * geometry, carried, there)
             })
@@ -100,12 +102,11 @@ fn naive<M: Microfacet>(
                 let mut lo = 0.0;
                 if light[c] > 0.0 {
                     let by = density * asked.1 + shared(0);
-                    lo += there[0].0[c] * f64::from(asked.0.z) * light[c] / by;
+                    lo += there[0].0[c] * light[c] / by;
                 }
                 if sampled.1 > 0.0 {
                     let by = density * emitted_pdf + shared(1);
-                    let cos = f64::from(sampled.0.z);
-                    lo += there[1].0[c] * cos * (emitted[c] / by + reflected[c] / shared(1));
+                    lo += there[1].0[c] * (emitted[c] / by + reflected[c] / shared(1));
                 }
                 sum[c] += carried[c] * lo;
             }
