@@ -98,7 +98,7 @@ impl Random {
 
     /// A few random changes: bits, bytes, runs that move or vanish, words that hurt.
     fn mutate(&mut self, good: &[u8]) -> Vec<u8> {
-        const WORDS: [&str; 20] = [
+        const WORDS: [&str; 30] = [
             " -1 ",
             " 0 ",
             " 1e999 ",
@@ -119,6 +119,16 @@ impl Random {
             " list ",
             "element x 4000000000\n",
             "\u{feff}",
+            "#",
+            "\\",
+            " -1.#IND ",
+            "usemtl\n",
+            "newmtl \u{e4}\n",
+            "mtllib \".\\lamp.mtl\" #\n",
+            "s 1\n",
+            "f 1//0 4 3 2 7 5\n",
+            "illum 0\nKs 2 nan 1 1\n",
+            "map_Kd \\\n",
         ];
         let mut bytes = good.to_vec();
         for _ in 0..=self.below(4) {

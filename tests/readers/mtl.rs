@@ -359,6 +359,7 @@ fn libraries_are_found_by_what_is_meant() {
     std::fs::create_dir(&sub).unwrap();
     std::fs::write(folder.path().join("paint.mtl"), "newmtl red\nKd 0.25\n").unwrap();
     std::fs::write(folder.path().join("two words.mtl"), "newmtl red\nKd 0.5\n").unwrap();
+    std::fs::write(folder.path().join("number #7.mtl"), "newmtl red\nKd 0.125\n").unwrap();
     std::fs::write(sub.join("other.mtl"), "newmtl red\nKd 0.75\n").unwrap();
     let read_with = |line: &[u8]| {
         let path = folder.path().join("m.obj");
@@ -385,7 +386,10 @@ fn libraries_are_found_by_what_is_meant() {
         (0.25, "none/two words.mtl none/paint.mtl"),
         (0.25, "\"two words.mtl\" \"paint.mtl\""),
         (0.25, "two words.mtl paint.mtl"),
+        (0.25, "paint.mtl#comment"),
+        (0.25, "paint.mtl# a comment"),
         (0.5, "two words.mtl"),
+        (0.125, "number #7.mtl"),
         (0.5, "TWO WORDS.mtl"),
         (0.5, "two%20words.mtl"),
         (0.5, "D:\\a b\\two words.mtl"),

@@ -6,9 +6,9 @@
 //! | `.obj` | `tobj`, on text checked beforehand | a mesh, its parts, the materials of its MTL |
 //! | `.ply` | `ply-rs-bw`, one element at a time | a mesh |
 //!
-//! **Whose word counts.** What cannot be meant (a radius of 0, a word for a number) is an error
-//! with file and line. What can be read, though perhaps not as its author meant it, is a
-//! [`Warning`](super::Warning). Nothing is left out in silence.
+//! **Whose word counts.** What would make the geometry a guess (a radius of 0, a word for a
+//! coordinate) is an error with file and line. What can be shown, though perhaps not as its author
+//! meant it, is a [`Warning`](super::Warning). Nothing is left out in silence.
 //!
 //! **No input may panic, hang or take more memory than its own size explains.** The two crates
 //! that know the model formats trust their input in places; each is given only what its reader

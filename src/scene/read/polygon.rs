@@ -24,7 +24,8 @@ const FLAT: f64 = 1e-12;
 /// Polygons up to this size are tried from every corner.
 const FEW: usize = 8;
 
-/// Ear clipping of an outline that crosses itself takes the cube of its corners.
+/// Ear clipping of an outline that crosses itself takes the cube of its corners; larger ones, and
+/// bow ties, of which it would leave a half, become fans.
 const FEW_CROSSING: usize = 64;
 
 /// Triangles that cover the polygon with these corners. Corners that are not finite, and polygons
@@ -43,7 +44,7 @@ pub(super) fn triangulate(corners: &[DVec3]) -> Triangles {
     }
     let crosses = crossing::crosses(&outline);
     let crossed = || Triangles { indices: fan(outline.len(), 0), self_crossing: true };
-    if crosses && outline.len() > FEW_CROSSING {
+    if crosses && (outline.len() == 4 || outline.len() > FEW_CROSSING) {
         return crossed();
     }
     let mut indices: Vec<u32> = Vec::new();

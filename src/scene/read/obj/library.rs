@@ -44,14 +44,13 @@ impl Library {
 
     /// A name may hold blanks, and a line several names.
     fn add_named(&mut self, line: usize, name: &Name, files: &dyn Files, log: &mut Log) {
-        let hit = exact(&name.text, files);
-        let hit = if hit.is_err() && name.whole != name.text {
-            exact(&name.whole, files).or(hit)
-        } else {
-            hit
-        };
-        if let Ok((path, bytes)) = hit {
-            return self.add(path, &bytes);
+        // Where there is no such file, the mark of a comment may belong to the name, or not.
+        let uncommented = name.whole.split('#').next().unwrap_or_default().trim();
+        let readings = [name.text.as_str(), &name.whole, uncommented];
+        for reading in readings.into_iter().filter(|reading| !reading.is_empty()) {
+            if let Ok((path, bytes)) = exact(reading, files) {
+                return self.add(path, &bytes);
+            }
         }
         let pieces = pieces(&name.text);
         if pieces.len() > 1 {

@@ -108,6 +108,10 @@ const NUMBERS: [&str; 46] = [
 
 impl Kind {
     fn of(word: &str) -> Kind {
+        // Nearly every line.
+        if matches!(word, "v" | "vn" | "vt" | "f") {
+            return Kind::Numbers;
+        }
         let word = word.to_ascii_lowercase();
         if NAMES.contains(&word.as_str()) || word.starts_with("map_") {
             Kind::Name
@@ -149,6 +153,16 @@ pub(super) fn statements(text: &str) -> impl Iterator<Item = Statement<'_>> {
 }
 
 impl Statement<'_> {
+    /// The word in front in small letters.
+    pub(super) fn word(&self) -> Cow<'_, str> {
+        let word = self.parts().0;
+        if word.bytes().any(|b| b.is_ascii_uppercase()) {
+            word.to_ascii_lowercase().into()
+        } else {
+            word.into()
+        }
+    }
+
     /// The word in front, and what follows it, a name's comment included.
     pub(super) fn parts(&self) -> (&str, &str) {
         word(&self.text)

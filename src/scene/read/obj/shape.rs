@@ -52,7 +52,7 @@ impl Shape {
         if statement.stray {
             self.doubts.add("stray", line, || STRAY.to_owned());
         }
-        match word.to_ascii_lowercase().as_str() {
+        match &*statement.word() {
             "v" => self.vertex(line, rest),
             "vn" => {
                 self.normal_count += 1;
@@ -200,7 +200,7 @@ impl Shape {
         // Where a face names normals, even none that are there, it does not ask for smooth ones.
         let named = self.corners.iter().any(|corner| corner[1] != 0);
         self.mend_normals();
-        let (faces, triangles) = self.triangles();
+        let (faces, triangles) = self.triangles().map_err(|text| log.error(None, text))?;
         std::mem::take(&mut self.doubts).report(log);
         let mut mesh = run_tobj(&[&self.vertices, "vn 0 0 0\n", &self.normals, &faces])
             .map_err(|e| log.error(None, format!("the OBJ reader refuses this file: {e}")))?;
@@ -239,7 +239,7 @@ impl Shape {
     }
 
     /// All faces as triangles, and the part and smoothing of each.
-    fn triangles(&mut self) -> (String, Vec<(usize, Smooth)>) {
+    fn triangles(&mut self) -> Result<(String, Vec<(usize, Smooth)>), String> {
         let (mut text, mut triangles) = (String::new(), Vec::new());
         let mut positions = Vec::new();
         let mut rest = self.corners.as_slice();
@@ -264,13 +264,13 @@ impl Shape {
                 for i in t {
                     let [v, n] = corners[*i as usize];
                     // The zero normal in front stands for that of the face, and shifts the others.
-                    text.push_str(&format!(" {v}//{}", u64::from(n) + 1));
+                    written(write!(text, " {v}//{}", u64::from(n) + 1))?;
                 }
                 text.push('\n');
                 triangles.push((face.part, face.smooth));
             }
         }
-        (text, triangles)
+        Ok((text, triangles))
     }
 }
 

@@ -99,6 +99,71 @@ fn corners_on_straight_edges_stay() {
     check(&[L.as_slice(), &[[0., 2.], [0., 1.]]].concat(), 3.0);
 }
 
+/// Outlines of random regions of squares, with a corner at every unit: their area, and no corner of
+/// a straight edge left out.
+#[test]
+fn random_outlines_keep_all_their_corners() {
+    let mut state = 7u64;
+    let mut below = |n: usize| {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % n
+    };
+    const SIDE: usize = 14;
+    for _ in 0..300 {
+        let mut full = [[false; SIDE]; SIDE];
+        full[SIDE / 2][SIDE / 2] = true;
+        let mut cells = 1;
+        let wanted = 2 + below(70);
+        for _ in 0..20_000 {
+            if cells == wanted {
+                break;
+            }
+            let (x, y) = (1 + below(SIDE - 2), 1 + below(SIDE - 2));
+            // The eight neighbours in order: one run of full ones that has a side in common keeps
+            // the region in one piece, without holes, and touching itself nowhere.
+            let ring = [(2, 1), (2, 2), (1, 2), (0, 2), (0, 1), (0, 0), (1, 0), (2, 0)];
+            let near = ring.map(|(i, j): (usize, usize)| full[x + i - 1][y + j - 1]);
+            let runs = (0..8).filter(|&i| near[i] && !near[(i + 1) % 8]).count();
+            if !full[x][y] && runs == 1 && [0, 2, 4, 6].iter().any(|&i| near[i]) {
+                full[x][y] = true;
+                cells += 1;
+            }
+        }
+        // Edges with the region on their left, each from its start.
+        let mut next = std::collections::HashMap::new();
+        for x in 1..SIDE - 1 {
+            for y in 1..SIDE - 1 {
+                let sides = [
+                    (full[x][y - 1], (x, y), (x + 1, y)),
+                    (full[x + 1][y], (x + 1, y), (x + 1, y + 1)),
+                    (full[x][y + 1], (x + 1, y + 1), (x, y + 1)),
+                    (full[x - 1][y], (x, y + 1), (x, y)),
+                ];
+                for (outside, from, to) in sides {
+                    if full[x][y] && !outside {
+                        assert!(next.insert(from, to).is_none());
+                    }
+                }
+            }
+        }
+        let start = *next.keys().min().unwrap();
+        let mut points = vec![start];
+        while next[points.last().unwrap()] != start {
+            points.push(next[points.last().unwrap()]);
+        }
+        assert_eq!(points.len(), next.len());
+        let first = below(points.len());
+        points.rotate_left(first);
+        let corners: Vec<DVec3> =
+            points.iter().map(|&(x, y)| DVec3::new(x as f64, 0.0, y as f64)).collect();
+        let cut = triangulate(&corners);
+        let (area, _) = area_and_normal(&corners, &cut);
+        assert!(!cut.self_crossing && (area - cells as f64).abs() < 1e-9, "{points:?}: {area}");
+        assert_eq!(cut.indices.len(), corners.len() - 2, "{points:?}");
+    }
+}
+
 /// An outline that leads to a hole and back touches itself and does not cross.
 #[test]
 fn a_hole_with_a_bridge_stays_open() {
