@@ -44,7 +44,7 @@
 //! | epoch | the time between two changes of parameters |
 //!
 //! Radiance is in W/(m² sr) per channel, linear Rec. 709. World space is right-handed with Z up.
-//! BRDFs see local directions only, z being the shading normal. Surfaces are opaque and two-sided.
+//! BRDFs see local directions only, z being the shading normal, bent where it is seen from behind. Surfaces are opaque and two-sided.
 //!
 //! # What is not modelled
 //!
