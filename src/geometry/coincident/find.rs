@@ -11,7 +11,7 @@ use crate::math::V3;
 
 /// Surfaces within this of each other may coincide: more than [`coincide`] has for any of a scene,
 /// whose coordinates are within 1 or little more.
-const MARGIN: f32 = 2e-6;
+const MARGIN: f32 = 4e-6;
 /// So many steps a primitive, and so many in any case, before the search is given up.
 const STEPS: usize = 16;
 const LEAST: usize = 2_000_000;

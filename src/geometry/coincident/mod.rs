@@ -25,7 +25,7 @@ use overlap::APART;
 
 /// How far from a surface a point that was computed on it may be: so many roundings of the largest
 /// number that took part.
-const NEAR: f32 = 64.0 * ROUNDING;
+const NEAR: f32 = 96.0 * ROUNDING;
 
 /// What is in front of which primitives, where they coincide.
 #[derive(Clone, Debug, Default)]
@@ -87,7 +87,7 @@ impl Coincident {
             low.abs().max(high.abs()).max_component()
         };
         let largest = self.pairs().flatten().map(reach).fold(0.0, f32::max);
-        2.0 * APART as f32 * largest
+        1.25 * APART as f32 * largest
     }
 
     /// All pairs: in front, behind.

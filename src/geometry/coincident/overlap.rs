@@ -7,8 +7,10 @@ use crate::math::V3;
 use glam::{DVec2, DVec3};
 
 /// Surfaces coincide where they are no farther apart than so many roundings of their largest
-/// coordinate: what exact coordinates are moved by when a scene is turned and rounded.
-pub(super) const APART: f64 = 8.0 * ROUNDING as f64;
+/// coordinate. Coordinates that were exact before a scene was turned and rounded are moved by two or
+/// three; the rest is for files of few digits, and because rays leave surfaces by up to 28: what is
+/// nearer than that is seen by some rays and not by others.
+pub(super) const APART: f64 = 32.0 * ROUNDING as f64;
 /// What overlaps by less than so many times that has an edge in common.
 const EDGE: f64 = 4.0;
 
