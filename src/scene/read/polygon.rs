@@ -44,7 +44,8 @@ pub(super) fn triangulate(corners: &[DVec3]) -> Triangles {
     }
     let crosses = crossing::crosses(&outline);
     let crossed = || Triangles { indices: fan(outline.len(), 0), self_crossing: true };
-    if crosses && (outline.len() == 4 || outline.len() > FEW_CROSSING) {
+    let odd = crosses || !has_side;
+    if odd && (outline.len() == 4 || outline.len() > FEW_CROSSING) {
         return crossed();
     }
     let mut indices: Vec<u32> = Vec::new();
@@ -63,7 +64,7 @@ pub(super) fn triangulate(corners: &[DVec3]) -> Triangles {
     let area: f64 = (1..outline.len() - 1).map(|i| turn(&outline, 0, i)).sum();
     // Of an outline that crosses itself, parts count negative or twice.
     let exact = (covered - area).abs() <= 1e-10;
-    Triangles { indices: triangles, self_crossing: crosses || !has_side || !exact }
+    Triangles { indices: triangles, self_crossing: odd || !exact }
 }
 
 /// The fan around this corner of a polygon of `count` corners.

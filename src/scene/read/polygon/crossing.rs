@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-/// Edges that cross by less than this, in a polygon of unit size, touch.
+/// What is closer than this, in a polygon of unit size, touches.
 const TOUCH: f64 = 1e-12;
 
 /// So few edges are tested pair by pair.
@@ -14,8 +14,8 @@ const STEPS: usize = 1000;
 
 type Edge = [DVec2; 2];
 
-/// True when two edges of this closed outline cross; edges and corners that only touch do not, so
-/// that an outline may lead to a hole and back. Ends with "no" where tens of thousands of long edges
+/// True when two edges of this closed outline cross, or go the same way over each other; edges and
+/// corners that touch otherwise do not, so that an outline may lead to a hole and back. Ends with "no" where tens of thousands of long edges
 /// lie so close that the search would take more time than their number explains.
 pub(super) fn crosses(outline: &[DVec2]) -> bool {
     let next = outline.iter().skip(1).chain(outline.first());
@@ -65,9 +65,19 @@ fn found(edges: &[Edge], pieces: Vec<(usize, Edge)>, depth: u32, left: &mut usiz
     *left > 0 && halves.into_iter().any(|half| found(edges, half, depth - 1, left))
 }
 
-/// True when each edge has the ends of the other on both sides.
+/// True when each edge has the ends of the other on both sides, or both lie in one line, go the same
+/// way and have more than an end in common.
 fn cross([a, b]: Edge, [c, d]: Edge) -> bool {
-    let side = |p: DVec2, q: DVec2, r: DVec2| (q - p).perp_dot(r - p);
-    let apart = |x: f64, y: f64| x.abs() > TOUCH && y.abs() > TOUCH && (x > 0.0) != (y > 0.0);
-    apart(side(a, b, c), side(a, b, d)) && apart(side(c, d, a), side(c, d, b))
+    let side = |p: DVec2, q: DVec2, r: DVec2| {
+        let area = (q - p).perp_dot(r - p);
+        if area.abs() <= TOUCH * (q - p).length() { 0.0 } else { area }
+    };
+    let [of_c, of_d, of_a, of_b] = [side(a, b, c), side(a, b, d), side(c, d, a), side(c, d, b)];
+    if [of_c, of_d, of_a, of_b] == [0.0; 4] {
+        let along = b - a;
+        let (length, from, to) = (along.length(), along.dot(c - a), along.dot(d - a));
+        let common = to.min(length * length) - from.max(0.0);
+        return from < to && common > TOUCH * length;
+    }
+    of_c * of_d < 0.0 && of_a * of_b < 0.0
 }

@@ -240,7 +240,15 @@ fn many_corners_take_no_quadratic_time() {
     let comb: Vec<[f64; 2]> = (0..N)
         .map(|i| [i as f64, if i == 0 || i == N - 1 { -1.0 } else { 9.0 * (i % 2) as f64 }])
         .collect();
-    for (name, points) in [("gear", gear), ("spikes", spikes), ("comb", comb)] {
+    // A square with slits, to each of which the outline leads there and back.
+    let slits: Vec<[f64; 2]> = (0..N / 3)
+        .flat_map(|i| {
+            let x = (i + 1) as f64 / (N / 3 + 1) as f64;
+            [[x, 0.0], [x, 0.9], [x, 0.0]]
+        })
+        .chain([[1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]])
+        .collect();
+    for (name, points) in [("gear", gear), ("spikes", spikes), ("comb", comb), ("slits", slits)] {
         let corners = flat(&points);
         let cut = triangulate(&corners);
         assert!(!cut.self_crossing, "{name}");
@@ -258,5 +266,11 @@ fn many_corners_take_no_quadratic_time() {
         (state >> 40) as f64
     };
     let tangle: Vec<[f64; 2]> = (0..N).map(|_| [number(), number()]).collect();
-    assert!(triangulate(&flat(&tangle)).self_crossing);
+    let few: Vec<[f64; 2]> = tangle.iter().map(|p| p.map(|x| x % 3.0)).collect();
+    let round_and_round: Vec<[f64; 2]> = (0..N).map(|i| L[i % 6]).collect();
+    let there: Vec<[f64; 2]> = (0..N / 2).map(|i| [i as f64, 5.0 * (i % 2) as f64]).collect();
+    let back: Vec<[f64; 2]> = there[1..N / 2 - 1].iter().rev().copied().collect();
+    for points in [tangle, few, round_and_round, [there, back].concat()] {
+        assert!(triangulate(&flat(&points)).self_crossing);
+    }
 }
