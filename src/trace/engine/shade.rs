@@ -118,7 +118,10 @@ impl Tracer {
                     let way = light.way_from(o);
                     asked = asked & way.meets;
                     if is_second {
-                        let wi = V3::select(bends, agreed.to_local(light.wi), wi);
+                        let mut wi = wi;
+                        if bends.any() {
+                            wi = V3::select(bends, agreed.to_local(light.wi), wi);
+                        }
                         towards_light = (wi, light.pdf.or_zero(asked));
                     } else {
                         let e = view.eval::<M>(wi);
