@@ -159,7 +159,9 @@ pub fn unit<L: Lane>(x: L::Bits) -> L {
 /// The pair of a slot as floats in [0, 1 - 2^-24].
 #[inline(always)]
 pub fn pair<L: Lane>(stream: &Stream<L::Bits>, slot: Slot) -> [L; 2] {
-    stream.pair_bits(slot).map(unit::<L>)
+    // Not by `map`: what the compiler does not inline there is not compiled for the instruction set.
+    let [a, b] = stream.pair_bits(slot);
+    [unit::<L>(a), unit::<L>(b)]
 }
 
 #[cfg(test)]
