@@ -122,6 +122,7 @@ fn syntax_that_other_programs_write() {
             "v 0 0 0 0\nv 1 1 1 inf\nv 1 1 1 nan\nv 1 1 1 red\n",
             "m.obj:5: v: expected a weight other than 0, not `0`: none is used (4 lines)",
         ),
+        ("vt 0 0\u{1a}\0\0", "m.obj: 3 bytes after the text are not used"),
         (
             "v 0 0 0\\\nv 1 1 1\n",
             "m.obj:5: the backslash at the end of this line continues nothing",

@@ -55,13 +55,19 @@ pub(super) fn read(bytes: &[u8], log: &mut Log) -> Result<Model, ReadError> {
     }
     let text = decode_names(bytes);
     let mut shape = shape::Shape::default();
-    for statement in statements(&text) {
+    // What old systems mark and fill the end of a file with.
+    let body = text.trim_end_matches(['\0', '\u{1a}']);
+    for statement in statements(body) {
         shape.statement(&statement).map_err(|text| log.error(Some(statement.line), text))?;
     }
     // A file of another kind, with the ending that compilers give theirs.
     if let (true, Some(at)) = (shape.is_empty(), text.find('\0')) {
         let line = super::text::lines(&text[..at]).count();
         return Err(log.error(Some(line), "expected text, found a zero byte"));
+    }
+    let filling = text.len() - body.len();
+    if filling > 0 {
+        log.warn(None, format!("{filling} bytes after the text are not used"));
     }
     shape.finish(log)
 }
