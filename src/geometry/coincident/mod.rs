@@ -117,7 +117,8 @@ impl Coincident {
                 let here = is_triangle || off_plane(geometry, front, p) <= near;
                 here.then_some(Hit { t, primitive: front, b })
             }
-            _ => is_on(geometry, front, p, near).then_some(Hit { primitive: front, ..hit }),
+            _ => is_on(geometry, front, (p, is_triangle), near)
+                .then_some(Hit { primitive: front, ..hit }),
         };
         fronts.iter().find_map(met).unwrap_or(hit)
     }
@@ -133,7 +134,7 @@ impl Coincident {
             }
             // Spheres coincide as a whole.
             Kind::Sphere(_) => true,
-            Kind::Cylinder(_) => is_on(geometry, front, p, NEAR),
+            Kind::Cylinder(_) => is_on(geometry, front, (p, is_triangle), NEAR),
         };
         self.fronts(primitive).iter().any(covers)
     }
@@ -153,8 +154,9 @@ fn off_plane(geometry: &Geometry, triangle: u32, p: V3) -> f32 {
     (b - a).cross(c - a).normalize().dot(p - a).abs()
 }
 
-/// Whether a point is on a sphere or cylinder, to within `near`.
-fn is_on(geometry: &Geometry, primitive: u32, p: V3, near: f32) -> bool {
+/// Whether a point is on a sphere or cylinder, to within `near`. Of what is `flat` no point is on a
+/// cylinder's side: its cap would have a brim.
+fn is_on(geometry: &Geometry, primitive: u32, (p, flat): (V3, bool), near: f32) -> bool {
     match geometry.kind(primitive) {
         Kind::Sphere(i) => {
             let sphere = &geometry.spheres[i];
@@ -164,7 +166,7 @@ fn is_on(geometry: &Geometry, primitive: u32, p: V3, near: f32) -> bool {
             let cylinder = &geometry.cylinders[i];
             let (height, across) = cylinder.height_and_distance(p);
             let on_cap = height.abs().min((height - cylinder.height).abs()) <= near;
-            let on_side = (across - cylinder.radius).abs() <= near;
+            let on_side = !flat && (across - cylinder.radius).abs() <= near;
             let within = height >= -near && height <= cylinder.height + near;
             (on_cap && across <= cylinder.radius) || (on_side && within)
         }
