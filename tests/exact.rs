@@ -2,7 +2,7 @@
 //! places.
 
 use burnish::brdf::Model;
-use burnish::measure::exact::{Budget, Verdict, all};
+use burnish::measure::exact::{Budget, Verdict, all, drawn};
 use burnish::progressive::{Params, Snapshot, render};
 use burnish::scene::{Camera, Material, Mesh, Scene, SceneBuilder};
 use glam::{DAffine3, DVec3};
@@ -135,6 +135,46 @@ fn a_wrong_answer_is_told_apart() {
             case.expected = truth;
         }
     }
+}
+
+/// The answers that are computed here are those of the table, which were computed by others: what
+/// both say their errors are holds.
+#[test]
+fn answers_computed_here_are_those_of_the_table() {
+    let table = all().unwrap();
+    for case in &table.cases {
+        let known = case.known().unwrap().unwrap();
+        let off = (known.value - case.expected).abs();
+        let bound = known.error + case.error + 1e-9 * case.expected;
+        assert!(off <= bound, "{} {}: {known:?}, not {}", case.id, case.quantity, case.expected);
+        // A tenth of what scenes are judged by.
+        assert!(known.error < 1e-4 * known.value, "{} {}: {known:?}", case.id, case.quantity);
+    }
+}
+
+/// The first of the cases of `check --full` that are drawn at random, four of each group, to 1 %.
+#[test]
+fn scenes_drawn_at_random_come_out_as_known() {
+    let mut wrong = Vec::new();
+    let table = drawn(0..56).unwrap();
+    let summary = table
+        .run(Budget::QUICK, &mut |o| {
+            if o.verdict != Verdict::Agrees {
+                wrong.push(format!(
+                    "{} {}: {} +- {}, not {} ({:?}), {}",
+                    o.case.id,
+                    o.case.quantity,
+                    o.mean,
+                    o.standard_error,
+                    o.case.expected,
+                    o.verdict,
+                    o.case.description()
+                ));
+            }
+        })
+        .unwrap();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert_eq!(summary.cases, 56);
 }
 
 /// A lacquered floor, a metal ball and a rough post under a lamp, `scale` times as large and

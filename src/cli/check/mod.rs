@@ -1,5 +1,6 @@
 //! `burnish check`: the proofs of the models, as a table.
 
+mod random;
 mod whole;
 
 use super::figures::significant;
@@ -17,6 +18,7 @@ use burnish::measure::energy::LobeEnergy;
   burnish check                                     all three models at alpha 0.1
   burnish check --model beckmann --alpha 0.02
   burnish check --full                              everything; takes minutes
+  burnish check --scene 17                          a scene drawn at random, again
   burnish check --erratum ggx-g-sum                 which proof finds that mistake of the seed?")]
 pub(super) struct Args {
     /// Which BRDF; without it all of them, or the one that the erratum is about.
@@ -32,6 +34,15 @@ pub(super) struct Args {
     /// roughnesses.
     #[arg(long)]
     full: bool,
+    /// Instead, the scenes drawn at random of these seeds, A or A..B: the engine against the
+    /// reference tracer.
+    #[arg(long, value_name = "SEEDS", value_parser = random::seeds)]
+    #[arg(conflicts_with_all = ["model", "alpha", "exponent", "full", "erratum"])]
+    scene: Option<std::ops::Range<u64>>,
+    /// Instead, the scenes of known answer drawn at random of these seeds, A or A..B.
+    #[arg(long, value_name = "SEEDS", value_parser = random::seeds)]
+    #[arg(conflicts_with_all = ["model", "alpha", "exponent", "full", "erratum", "scene"])]
+    known: Option<std::ops::Range<u64>>,
     /// A mistake made on purpose: a proof is to find it.
     #[arg(long, value_name = "NAME", value_parser = values::erratum())]
     erratum: Option<Erratum>,
@@ -47,6 +58,12 @@ const ALPHA: f64 = 0.1;
 
 /// Proves and prints.
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    if let Some(seeds) = &args.scene {
+        return verdict(random::some(seeds.clone(), true)?);
+    }
+    if let Some(seeds) = &args.known {
+        return verdict(whole::drawn_scenes(seeds.clone(), true)?);
+    }
     let roughnesses = args.roughnesses()?;
     let mut failures = 0;
     for model in Model::ALL.into_iter().filter(|m| args.means(*m)) {
@@ -65,8 +82,14 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         failures += table.print(model, &roughnesses)?;
     }
     if args.full && args.erratum.is_none() {
-        failures += whole::exact_scenes()? + whole::error_bar(args.threads)?;
+        failures +=
+            whole::exact_scenes()? + whole::drawn_scenes(whole::DRAWN, false)? + random::all()?;
+        failures += whole::error_bar(args.threads)?;
     }
+    verdict(failures)
+}
+
+fn verdict(failures: usize) -> Result<(), Failure> {
     match failures {
         0 => Ok(()),
         1 => Err(Failure::new("1 proof fails")),

@@ -3,40 +3,49 @@
 
 use crate::cli::{Failure, print, say};
 use burnish::measure::calibrate::Renders;
-use burnish::measure::exact::{self, Budget, Verdict};
+use burnish::measure::exact::{self, Budget, Outcome, Table, Verdict};
 use burnish::progressive::Params;
 use burnish::scene::builtin::Example;
+use std::ops::Range;
 use std::sync::Arc;
+
+/// Of the scenes that are drawn at random and have a known answer: their seeds.
+pub(super) const DRAWN: Range<u64> = 0..308;
 
 /// Renders all scenes whose answer is known; how many differ, or stay unresolved.
 pub(super) fn exact_scenes() -> Result<usize, Failure> {
     print("Scenes whose answer is known: within 4 standard errors and 0.1 %")?;
+    let table = exact::all().map_err(Failure::new)?;
+    figures(table, Budget::FULL, true, false)
+}
+
+/// The same of scenes drawn at random, of which those are told that do not agree, or all.
+pub(super) fn drawn_scenes(seeds: Range<u64>, all: bool) -> Result<usize, Failure> {
+    print(format_args!(
+        "Scenes whose answer is known, drawn at random, turned, scaled and moved: within 4 standard \
+         errors and 0.1 %; {} figures{}",
+        seeds.end - seeds.start,
+        if all { "" } else { ", those that do not agree" }
+    ))?;
+    let table = exact::drawn(seeds).map_err(Failure::new)?;
+    figures(table, Budget::DRAWN, all, true)
+}
+
+fn figures(table: Table, budget: Budget, all: bool, drawn: bool) -> Result<usize, Failure> {
     print(format_args!(
         "  {:<14}{:<20}{:<14}{:>12}{:>12}{:>11}{:>8}{:>11}  verdict",
         "scene", "kind", "quantity", "expected", "mean", "std. error", "sigmas", "relative"
     ))?;
     let mut told = Ok(());
-    let mut nonfinite = 0;
-    let summary = exact::run_all(Budget::FULL, &mut |o| {
+    let (mut nonfinite, mut done, count) = (0, 0, table.cases.len());
+    let summary = table.run(budget, &mut |o| {
         nonfinite += o.counts.nonfinite;
-        let verdict = match o.verdict {
-            Verdict::Agrees => "agrees",
-            Verdict::Differs => "DIFFERS",
-            Verdict::Unresolved => "UNRESOLVED: too noisy to tell",
-        };
-        let line = print(format_args!(
-            "  {:<14}{:<20}{:<14}{:>12.5e}{:>12.5e}{:>11.1e}{:>8.2}{:>11.1e}  {verdict}",
-            o.case.id,
-            o.case.group,
-            o.case.quantity,
-            o.case.expected,
-            o.mean,
-            o.standard_error,
-            o.sigmas,
-            o.relative_error,
-        ));
-        if told.is_ok() {
-            told = line;
+        done += 1;
+        if done % 50 == 0 {
+            say(format_args!("scenes whose answer is known: {done} of {count}"));
+        }
+        if told.is_ok() && (all || o.verdict != Verdict::Agrees) {
+            told = figure(o, drawn);
         }
     });
     told?;
@@ -51,6 +60,30 @@ pub(super) fn exact_scenes() -> Result<usize, Failure> {
         summary.cases, summary.mean_square, summary.noisy
     ))?;
     Ok(failed + usize::from(nonfinite > 0))
+}
+
+fn figure(o: &Outcome, drawn: bool) -> Result<(), Failure> {
+    let verdict = match o.verdict {
+        Verdict::Agrees => "agrees",
+        Verdict::Differs => "DIFFERS",
+        Verdict::Unresolved => "UNRESOLVED: too noisy to tell",
+    };
+    print(format_args!(
+        "  {:<14}{:<20}{:<14}{:>12.5e}{:>12.5e}{:>11.1e}{:>8.2}{:>11.1e}  {verdict}",
+        o.case.id,
+        o.case.group,
+        o.case.quantity,
+        o.case.expected,
+        o.mean,
+        o.standard_error,
+        o.sigmas,
+        o.relative_error,
+    ))?;
+    match o.verdict {
+        Verdict::Agrees => Ok(()),
+        _ if drawn => print(format_args!("    {}", o.case.description())),
+        _ => Ok(()),
+    }
 }
 
 /// Scenes of the calibration, all at this size: small, so that lamps are smaller than pixels.

@@ -1,9 +1,10 @@
 //! The BRDF itself, seen under a dome, a lamp, and a lamp where a mirror would show it.
 
 use super::ExactError;
-use super::stage::{ASIDE, Stage, lamp, plane, rectangle, viewer};
+use super::stage::{ASIDE, Stage, Where, lamp, plane, rectangle, viewer};
 use crate::brdf::{Model, Roughness};
-use crate::scene::{Camera, Material, MaterialId, SceneBuilder};
+use crate::measure::site::Site;
+use crate::scene::{Camera, Material, MaterialId};
 use glam::DVec3;
 use serde::{Deserialize, Deserializer, de::Error};
 use std::f64::consts::FRAC_PI_4;
@@ -13,9 +14,9 @@ use std::f64::consts::FRAC_PI_4;
 pub(super) struct Finish {
     #[serde(deserialize_with = "model")]
     pub model: Model,
-    param: f64,
-    kd: f64,
-    ks: f64,
+    pub param: f64,
+    pub kd: f64,
+    pub ks: f64,
 }
 
 fn model<'de, D: Deserializer<'de>>(from: D) -> Result<Model, D::Error> {
@@ -27,30 +28,34 @@ fn model<'de, D: Deserializer<'de>>(from: D) -> Result<Model, D::Error> {
 impl Finish {
     pub(super) fn material(
         &self,
-        builder: &mut SceneBuilder,
+        site: &mut Site,
         emission: f64,
     ) -> Result<MaterialId, ExactError> {
-        let roughness = match self.model {
-            Model::Phong => Roughness::from_exponent(self.param)?,
-            Model::Beckmann | Model::Ggx => Roughness::from_alpha(self.param)?,
-        };
+        let roughness = self.roughness()?;
         let surface = Material::reflecting("surface", [self.kd; 3], [self.ks; 3], 0.0)?;
         let surface = surface.emitting([emission; 3])?;
-        Ok(builder.material(Material { roughness, ..surface }))
+        Ok(site.material(Material { roughness, ..surface }))
+    }
+
+    pub(super) fn roughness(&self) -> Result<Roughness, ExactError> {
+        Ok(match self.model {
+            Model::Phong => Roughness::from_exponent(self.param)?,
+            Model::Beckmann | Model::Ggx => Roughness::from_alpha(self.param)?,
+        })
     }
 
     /// The plane z = 0 of this finish, and room for lamps no nearer than `near`.
-    fn plane(&self, near: f64) -> Result<SceneBuilder, ExactError> {
-        let mut builder = SceneBuilder::new("glossy plane");
-        let surface = self.material(&mut builder, 0.0)?;
-        plane(&mut builder, 0.25 * near, surface)?;
-        Ok(builder)
+    fn plane(&self, near: f64, at: Where) -> Result<Site, ExactError> {
+        let mut site = at.site("glossy plane");
+        let surface = self.material(&mut site, 0.0)?;
+        plane(&mut site, 0.25 * near, surface)?;
+        Ok(site)
     }
 
     /// Direct light on that plane, seen at the cosine `mu`, azimuth 0.
-    fn seen(&self, builder: SceneBuilder, mu: f64, near: f64) -> Result<Stage, ExactError> {
+    fn seen(&self, site: Site, mu: f64, near: f64, at: Where) -> Result<Stage, ExactError> {
         let wo = DVec3::new((1.0 - mu * mu).sqrt(), 0.0, mu);
-        Ok(Stage::new(builder, viewer(wo, 0.25 * near)?).model(self.model).depth(1))
+        Ok(at.stage(site, viewer(wo, 0.25 * near)?)?.model(self.model).depth(1))
     }
 }
 
@@ -58,15 +63,15 @@ impl Finish {
 #[derive(Debug, Deserialize)]
 pub(super) struct Dome {
     #[serde(flatten)]
-    finish: Finish,
-    mu: f64,
+    pub finish: Finish,
+    pub mu: f64,
 }
 
 impl Dome {
-    pub(super) fn stage(&self) -> Result<Stage, ExactError> {
-        let mut builder = self.finish.plane(4.0)?;
-        builder.environment = [1.0; 3];
-        self.finish.seen(builder, self.mu, 4.0)
+    pub(super) fn stage(&self, at: Where) -> Result<Stage, ExactError> {
+        let mut site = self.finish.plane(4.0, at)?;
+        site.builder.environment = [1.0; 3];
+        self.finish.seen(site, self.mu, 4.0, at)
     }
 }
 
@@ -75,23 +80,23 @@ impl Dome {
 #[derive(Debug, Deserialize)]
 pub(super) struct Ball {
     #[serde(flatten)]
-    finish: Finish,
+    pub finish: Finish,
 }
 
 impl Ball {
     /// In radii. The points seen crowd towards the middle by at most 1 / AWAY².
     const AWAY: f64 = 256.0;
 
-    pub(super) fn stage(&self) -> Result<Stage, ExactError> {
-        let mut builder = SceneBuilder::new("ball");
-        let surface = self.finish.material(&mut builder, 0.0)?;
-        builder.sphere(DVec3::ZERO, 1.0, surface)?;
-        builder.environment = [1.0; 3];
+    pub(super) fn stage(&self, at: Where) -> Result<Stage, ExactError> {
+        let mut site = at.site("ball");
+        let surface = self.finish.material(&mut site, 0.0)?;
+        site.sphere(DVec3::ZERO, 1.0, surface)?;
+        site.builder.environment = [1.0; 3];
         let reach = 1.0 / (Self::AWAY * Self::AWAY - 1.0).sqrt();
         let camera = Camera::look_at(ASIDE * Self::AWAY, DVec3::ZERO, reach)?;
         // So far away a ray's place is known to AWAY roundings.
         let bound = 1.0 / (Self::AWAY * Self::AWAY) + Self::AWAY * f32::EPSILON as f64;
-        let mut stage = Stage::new(builder, camera).model(self.finish.model).bounded(bound);
+        let mut stage = at.stage(site, camera)?.model(self.finish.model).bounded(bound);
         stage.params.size = [64, 64];
         stage.params.max_depth = Some(1);
         Ok(Stage { share: FRAC_PI_4, rest: 1.0 - FRAC_PI_4, ..stage })
@@ -102,19 +107,19 @@ impl Ball {
 #[derive(Debug, Deserialize)]
 pub(super) struct SpecRect {
     #[serde(flatten)]
-    finish: Finish,
-    mu: f64,
-    centre: [f64; 3],
-    radiance: f64,
+    pub finish: Finish,
+    pub mu: f64,
+    pub centre: [f64; 3],
+    pub radiance: f64,
 }
 
 impl SpecRect {
-    pub(super) fn stage(&self) -> Result<Stage, ExactError> {
+    pub(super) fn stage(&self, at: Where) -> Result<Stage, ExactError> {
         let centre = DVec3::from_array(self.centre);
-        let mut builder = self.finish.plane(centre.z)?;
-        let lamp = lamp(&mut builder, self.radiance)?;
-        rectangle(&mut builder, centre, [DVec3::X * 0.5, DVec3::Y * 0.4], lamp)?;
-        self.finish.seen(builder, self.mu, centre.z)
+        let mut site = self.finish.plane(centre.z, at)?;
+        let lamp = lamp(&mut site, self.radiance)?;
+        rectangle(&mut site, centre, [DVec3::X * 0.5, DVec3::Y * 0.4], lamp)?;
+        self.finish.seen(site, self.mu, centre.z, at)
     }
 }
 
@@ -122,46 +127,56 @@ impl SpecRect {
 #[derive(Debug, Deserialize)]
 pub(super) struct SpecSphere {
     #[serde(flatten)]
-    finish: Finish,
-    mu: f64,
-    distance: f64,
-    radius: f64,
-    beta: f64,
-    phi: f64,
-    radiance: f64,
+    pub finish: Finish,
+    pub mu: f64,
+    pub distance: f64,
+    pub radius: f64,
+    pub beta: f64,
+    pub phi: f64,
+    pub radiance: f64,
 }
 
 impl SpecSphere {
-    pub(super) fn stage(&self) -> Result<Stage, ExactError> {
+    pub(super) fn stage(&self, at: Where) -> Result<Stage, ExactError> {
         let near = self.distance - self.radius;
-        let mut builder = self.finish.plane(near)?;
-        let lamp = lamp(&mut builder, self.radiance)?;
+        let mut site = self.finish.plane(near, at)?;
+        let lamp = lamp(&mut site, self.radiance)?;
         let ((sin, cos), (sin_phi, cos_phi)) = (self.beta.sin_cos(), self.phi.sin_cos());
         let towards = DVec3::new(sin * cos_phi, sin * sin_phi, cos);
-        builder.sphere(towards * self.distance, self.radius, lamp)?;
-        self.finish.seen(builder, self.mu, near)
+        site.sphere(towards * self.distance, self.radius, lamp)?;
+        self.finish.seen(site, self.mu, near, at)
     }
 }
+
+/// Of the square that [`Mirror`] shows.
+const HEIGHT: f64 = 2.0;
 
 /// Kd = 0, Ks = 0.5, and a square of half-edge 0.5 and radiance 1 at height 2, where a mirror would
 /// show it.
 #[derive(Debug, Deserialize)]
 pub(super) struct Mirror {
     #[serde(deserialize_with = "model")]
-    model: Model,
-    param: f64,
-    mu: f64,
+    pub model: Model,
+    pub param: f64,
+    pub mu: f64,
 }
 
 impl Mirror {
-    pub(super) fn stage(&self) -> Result<Stage, ExactError> {
-        let finish = Finish { model: self.model, param: self.param, kd: 0.0, ks: 0.5 };
-        let height = 2.0;
-        let mut builder = finish.plane(height)?;
-        let lamp = lamp(&mut builder, 1.0)?;
-        let aside = (1.0 - self.mu * self.mu).sqrt() * height / self.mu;
-        let centre = DVec3::new(-aside, 0.0, height);
-        rectangle(&mut builder, centre, [DVec3::X * 0.5, DVec3::Y * 0.5], lamp)?;
-        finish.seen(builder, self.mu, height)
+    pub(super) fn finish(&self) -> Finish {
+        Finish { model: self.model, param: self.param, kd: 0.0, ks: 0.5 }
+    }
+
+    /// The middle of the square.
+    pub(super) fn centre(&self) -> DVec3 {
+        let aside = (1.0 - self.mu * self.mu).sqrt() * HEIGHT / self.mu;
+        DVec3::new(-aside, 0.0, HEIGHT)
+    }
+
+    pub(super) fn stage(&self, at: Where) -> Result<Stage, ExactError> {
+        let finish = self.finish();
+        let mut site = finish.plane(HEIGHT, at)?;
+        let lamp = lamp(&mut site, 1.0)?;
+        rectangle(&mut site, self.centre(), [DVec3::X * 0.5, DVec3::Y * 0.5], lamp)?;
+        finish.seen(site, self.mu, HEIGHT, at)
     }
 }

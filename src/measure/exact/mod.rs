@@ -9,17 +9,29 @@
 //!    for an orthographic one, facets for a cap, roundings of single precision);
 //! 2. the same within `4 * budget.relative` of the expected value: 1e-3 at [`Budget::FULL`].
 //!
-//! The answers are computed without a line of this program, in double precision: Lambert's and
+//! Those answers are computed without a line of this program, in double precision: Lambert's and
 //! Howell's form factors, quadratures of the BRDF over solid angle, integral equations by Nyström's
 //! method. `assets/exact_scenes.json` names the method of each.
+//!
+//! [`drawn`] gives as many more as are wanted: the same groups with parameters drawn at random,
+//! each turned, scaled (1e-4 to 1e4) and moved (up to 1e5 of its size), on all instruction sets in
+//! turn. Their answers are computed here by the same methods, written anew; a test holds them
+//! against the table.
 
+mod drawn;
+mod factors;
 mod glossy;
+mod known;
 mod lamps;
+mod lobes;
 mod rooms;
 mod run;
 mod stage;
 mod table;
+mod transport;
 
+pub use drawn::drawn;
+pub use known::Known;
 pub use run::{Budget, Outcome, Summary, Verdict, run_all};
 pub use table::{Case, LeftOut, Table, all};
 

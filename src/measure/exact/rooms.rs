@@ -2,10 +2,10 @@
 
 use super::ExactError;
 use super::glossy::Finish;
-use super::stage::{ASIDE, POINT, Stage, diffuse, mesh, of_albedo, rectangle};
+use super::stage::{ASIDE, POINT, Stage, Where, diffuse, mesh, of_albedo, rectangle};
 use super::table::number_in;
-use crate::scene::{Camera, SceneBuilder};
-use glam::DVec3;
+use crate::scene::Camera;
+use glam::{DQuat, DVec3};
 use serde::Deserialize;
 use std::f64::consts::TAU;
 
@@ -14,53 +14,53 @@ use std::f64::consts::TAU;
 /// and a box.
 #[derive(Debug, Deserialize)]
 pub(super) struct Furnace {
-    rho: f64,
-    emission: f64,
+    pub rho: f64,
+    pub emission: f64,
 }
 
 impl Furnace {
-    pub(super) fn stage(&self, quantity: &str) -> Result<Stage, ExactError> {
-        let mut builder = SceneBuilder::new("furnace");
-        let wall = diffuse(&mut builder, self.rho, self.emission)?;
+    pub(super) fn stage(&self, quantity: &str, at: Where) -> Result<Stage, ExactError> {
+        let mut site = at.site("furnace");
+        let wall = diffuse(&mut site, self.rho, self.emission)?;
         let eye = DVec3::new(0.1, 0.2, -0.3);
         let camera = Camera::look_at(eye, eye + DVec3::X, 0.5)?;
         if quantity == "radiance" {
-            builder.sphere(DVec3::ZERO, 1.0, wall)?;
-            return Ok(Stage::new(builder, camera).bounded(of_albedo(self.rho)));
+            site.sphere(DVec3::ZERO, 1.0, wall)?;
+            return Ok(at.stage(site, camera)?.bounded(of_albedo(self.rho)));
         }
         let depth = number_in(quantity, "depth_")? as u32;
         match depth % 2 {
-            0 => builder.sphere(DVec3::ZERO, 1.0, wall)?,
-            _ => builder.cuboid(DVec3::NEG_ONE, DVec3::splat(2.0), wall)?,
+            0 => site.sphere(DVec3::ZERO, 1.0, wall)?,
+            _ => site.block(DVec3::ZERO, DVec3::ONE, DQuat::IDENTITY, wall)?,
         }
-        Ok(Stage::new(builder, camera).depth(depth).bounded(of_albedo(self.rho)))
+        Ok(at.stage(site, camera)?.depth(depth).bounded(of_albedo(self.rho)))
     }
 }
 
 /// Two unit squares at this height over each other; the lower one emits. Black surroundings.
 #[derive(Debug, Deserialize)]
 pub(super) struct Plates {
-    height: f64,
-    albedo: [f64; 2],
-    emission: f64,
+    pub height: f64,
+    pub albedo: [f64; 2],
+    pub emission: f64,
 }
 
 impl Plates {
-    pub(super) fn stage(&self, quantity: &str) -> Result<Stage, ExactError> {
-        let mut builder = SceneBuilder::new("plates");
-        let lower = diffuse(&mut builder, self.albedo[0], self.emission)?;
-        let upper = diffuse(&mut builder, self.albedo[1], 0.0)?;
+    pub(super) fn stage(&self, quantity: &str, at: Where) -> Result<Stage, ExactError> {
+        let mut site = at.site("plates");
+        let lower = diffuse(&mut site, self.albedo[0], self.emission)?;
+        let upper = diffuse(&mut site, self.albedo[1], 0.0)?;
         let edges = [DVec3::X * 0.5, DVec3::Y * 0.5];
         let top = DVec3::Z * self.height;
-        rectangle(&mut builder, DVec3::ZERO, edges, lower)?;
-        rectangle(&mut builder, top, edges, upper)?;
+        rectangle(&mut site, DVec3::ZERO, edges, lower)?;
+        rectangle(&mut site, top, edges, upper)?;
         let middle = match quantity {
             "plate1" => DVec3::ZERO,
             "plate2" => top,
             _ => return Err(ExactError::Quantity(quantity.to_owned())),
         };
         let eye = DVec3::new(0.1, 0.05, 0.5) * self.height;
-        Ok(Stage::new(builder, Camera::look_at(eye, middle, POINT)?))
+        at.stage(site, Camera::look_at(eye, middle, POINT)?)
     }
 }
 
@@ -68,18 +68,18 @@ impl Plates {
 /// and of the outer one's inside.
 #[derive(Debug, Deserialize)]
 pub(super) struct Concentric {
-    radius: f64,
-    inner: [f64; 2],
-    outer: [f64; 2],
+    pub radius: f64,
+    pub inner: [f64; 2],
+    pub outer: [f64; 2],
 }
 
 impl Concentric {
-    pub(super) fn stage(&self, quantity: &str) -> Result<Stage, ExactError> {
-        let mut builder = SceneBuilder::new("concentric");
-        let inner = diffuse(&mut builder, self.inner[0], self.inner[1])?;
-        let outer = diffuse(&mut builder, self.outer[0], self.outer[1])?;
-        builder.sphere(DVec3::ZERO, self.radius, inner)?;
-        builder.sphere(DVec3::ZERO, 1.0, outer)?;
+    pub(super) fn stage(&self, quantity: &str, at: Where) -> Result<Stage, ExactError> {
+        let mut site = at.site("concentric");
+        let inner = diffuse(&mut site, self.inner[0], self.inner[1])?;
+        let outer = diffuse(&mut site, self.outer[0], self.outer[1])?;
+        site.sphere(DVec3::ZERO, self.radius, inner)?;
+        site.sphere(DVec3::ZERO, 1.0, outer)?;
         let eye = ASIDE * (0.5 * (1.0 + self.radius));
         let target = match quantity {
             "inner" => DVec3::ZERO,
@@ -87,16 +87,16 @@ impl Concentric {
             _ => return Err(ExactError::Quantity(quantity.to_owned())),
         };
         let camera = Camera::look_at(eye, target, 1e-3)?;
-        Ok(Stage::new(builder, camera).bounded(of_albedo(self.outer[0])))
+        Ok(at.stage(site, camera)?.bounded(of_albedo(self.outer[0])))
     }
 }
 
 /// A sphere, diffuse inside, of whose wall a cap with this fraction of the area emits.
 #[derive(Debug, Deserialize)]
 pub(super) struct Integrating {
-    rho: f64,
-    fraction: f64,
-    emission: f64,
+    pub rho: f64,
+    pub fraction: f64,
+    pub emission: f64,
 }
 
 impl Integrating {
@@ -106,19 +106,19 @@ impl Integrating {
     /// How far before its place on the sphere the cap stands, but for its rim.
     const BEFORE: f64 = 5e-5;
 
-    pub(super) fn stage(&self, quantity: &str) -> Result<Stage, ExactError> {
-        let mut builder = SceneBuilder::new("integrating sphere");
-        let wall = diffuse(&mut builder, self.rho, 0.0)?;
-        let cap = diffuse(&mut builder, self.rho, self.emission)?;
-        builder.sphere(DVec3::ZERO, 1.0, wall)?;
+    pub(super) fn stage(&self, quantity: &str, at: Where) -> Result<Stage, ExactError> {
+        let mut site = at.site("integrating sphere");
+        let wall = diffuse(&mut site, self.rho, 0.0)?;
+        let cap = diffuse(&mut site, self.rho, self.emission)?;
+        site.sphere(DVec3::ZERO, 1.0, wall)?;
         let (positions, triangles) = self.facets(Self::BEFORE);
-        mesh(&mut builder, positions, triangles, cap)?;
+        mesh(&mut site, positions, triangles, cap)?;
         // Emitters shine from both sides. What the cap's back gives off would be reflected to and
         // fro before the wall, a hundred times as bright as the cap, and come out under the rim's
         // chords: so there is a black cloth behind, sewn to the rim.
-        let black = diffuse(&mut builder, 0.0, 0.0)?;
+        let black = diffuse(&mut site, 0.0, 0.0)?;
         let (positions, triangles) = self.facets(0.5 * Self::BEFORE);
-        mesh(&mut builder, positions, triangles, black)?;
+        mesh(&mut site, positions, triangles, black)?;
         let target = match quantity {
             "wall" => ASIDE * DVec3::new(1.0, 1.0, -1.0),
             "cap" => DVec3::new(0.2 * self.half_angle(), 0.0, 1.0),
@@ -126,7 +126,7 @@ impl Integrating {
         };
         let bound = 0.25 * Self::EDGE * Self::EDGE + Self::BEFORE;
         let camera = Camera::look_at(DVec3::ZERO, target, 1e-3)?;
-        Ok(Stage::new(builder, camera).bounded(of_albedo(self.rho) + bound))
+        Ok(at.stage(site, camera)?.bounded(of_albedo(self.rho) + bound))
     }
 
     fn half_angle(&self) -> f64 {
@@ -171,17 +171,17 @@ impl Integrating {
 #[derive(Debug, Deserialize)]
 pub(super) struct Cavity {
     #[serde(flatten)]
-    finish: Finish,
+    pub finish: Finish,
 }
 
 impl Cavity {
-    pub(super) fn stage(&self, quantity: &str) -> Result<Stage, ExactError> {
+    pub(super) fn stage(&self, quantity: &str, at: Where) -> Result<Stage, ExactError> {
         let mu = number_in(quantity, "mu_")?;
-        let mut builder = SceneBuilder::new("cavity");
-        let wall = self.finish.material(&mut builder, 1.0)?;
-        builder.sphere(DVec3::ZERO, 1.0, wall)?;
+        let mut site = at.site("cavity");
+        let wall = self.finish.material(&mut site, 1.0)?;
+        site.sphere(DVec3::ZERO, 1.0, wall)?;
         let eye = DVec3::X * (1.0 - mu * mu).sqrt();
         let camera = Camera::look_at(eye, eye + DVec3::new(0.0, 0.8, 0.6), POINT)?;
-        Ok(Stage::new(builder, camera).model(self.finish.model))
+        Ok(at.stage(site, camera)?.model(self.finish.model))
     }
 }

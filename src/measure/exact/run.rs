@@ -31,6 +31,8 @@ pub struct Budget {
 impl Budget {
     /// Every mean to 1e-3, which is four standard errors, or two where the rays do not suffice.
     pub const FULL: Budget = Budget { relative: 2.5e-4, rays: 1 << 31 };
+    /// The same for the hundreds of cases that are [drawn](super::drawn), in some seconds each.
+    pub const DRAWN: Budget = Budget { relative: 2.5e-4, rays: 1 << 26 };
     /// A look at each case in some tens of milliseconds: to 1 %.
     pub const QUICK: Budget = Budget { relative: 2.5e-3, rays: 1 << 25 };
 }

@@ -2,10 +2,12 @@
 
 use super::ExactError;
 use crate::brdf::Model;
+use crate::math::lanes::Isa;
+use crate::measure::site::{Site, Somewhere};
 use crate::progressive::Params;
-use crate::scene::{Camera, Material, MaterialId, Mesh, SceneBuilder, ShapeError};
+use crate::scene::{Camera, Material, MaterialId, Mesh, ShapeError};
 use crate::trace::{DEPTH_CAP, Group};
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
 use std::sync::Arc;
 
 /// Pixels of a picture that shows one number everywhere: few, so that each has many passes to be
@@ -23,6 +25,23 @@ const ROUNDING: f64 = 1e-5;
 /// A viewer of no special place: unit, above the plane.
 pub(super) const ASIDE: DVec3 = DVec3::new(-0.48, 0.36, 0.8);
 
+/// Where a scene stands, and what its pictures are made on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Where {
+    pub place: Somewhere,
+    pub isa: Isa,
+}
+
+impl Where {
+    pub(super) fn site(self, name: &str) -> Site {
+        Site::new(name, self.place)
+    }
+
+    pub(super) fn stage(self, site: Site, camera: Camera) -> Result<Stage, ExactError> {
+        Stage::new(site, camera, self.isa)
+    }
+}
+
 /// What to render, and what it says about the number wanted.
 pub(super) struct Stage {
     pub params: Params,
@@ -35,13 +54,17 @@ pub(super) struct Stage {
 
 impl Stage {
     /// The mean of the whole picture is the number wanted.
-    pub(super) fn new(mut builder: SceneBuilder, camera: Camera) -> Stage {
+    fn new(site: Site, camera: Camera, isa: Isa) -> Result<Stage, ExactError> {
+        let camera = site.camera(camera)?;
+        let mut builder = site.builder;
         builder.camera = Some(camera);
         builder.screen = SIZE;
+        let mut scene = builder.build();
+        scene.set_isa(isa);
         // Paths share, where they can: that is what a picture is made by.
         let group = Some(Group::ThirtyTwo);
-        let params = Params { group, ..Params::new(Arc::new(builder.build())) };
-        Stage { params, share: 1.0, rest: 0.0, bound: ROUNDING }
+        let params = Params { group, ..Params::new(Arc::new(scene)) };
+        Ok(Stage { params, share: 1.0, rest: 0.0, bound: ROUNDING })
     }
 
     pub(super) fn model(mut self, model: Model) -> Stage {
@@ -70,59 +93,54 @@ pub(super) fn of_albedo(albedo: f64) -> f64 {
 
 /// A grey diffuse surface.
 pub(super) fn diffuse(
-    builder: &mut SceneBuilder,
+    site: &mut Site,
     albedo: f64,
     emission: f64,
 ) -> Result<MaterialId, ExactError> {
     let material = Material::reflecting("diffuse", [albedo; 3], [0.0; 3], 0.0)?;
-    Ok(builder.material(material.emitting([emission; 3])?))
+    Ok(site.material(material.emitting([emission; 3])?))
 }
 
 /// A black surface that emits.
-pub(super) fn lamp(builder: &mut SceneBuilder, radiance: f64) -> Result<MaterialId, ExactError> {
-    Ok(builder.material(Material::light("lamp", [radiance; 3])?))
+pub(super) fn lamp(site: &mut Site, radiance: f64) -> Result<MaterialId, ExactError> {
+    Ok(site.material(Material::light("lamp", [radiance; 3])?))
 }
 
 /// The plane z = 0 around the origin, as far as rays need it: a triangle with its middle there.
-pub(super) fn plane(
-    builder: &mut SceneBuilder,
-    size: f64,
-    material: MaterialId,
-) -> Result<(), ShapeError> {
+pub(super) fn plane(site: &mut Site, size: f64, material: MaterialId) -> Result<(), ShapeError> {
     let corner = |x: f64, y: f64| DVec3::new(x, y, 0.0) * size;
     let positions = vec![corner(-1.0, -1.0), corner(2.0, -1.0), corner(-1.0, 2.0)];
-    mesh(builder, positions, vec![[0, 1, 2]], material)
+    mesh(site, positions, vec![[0, 1, 2]], material)
 }
 
 /// The quadrilateral with these corners, in turn.
 pub(super) fn quad(
-    builder: &mut SceneBuilder,
+    site: &mut Site,
     corners: [DVec3; 4],
     material: MaterialId,
 ) -> Result<(), ShapeError> {
-    mesh(builder, corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]], material)
+    site.quad(corners, material)
 }
 
 /// The rectangle around `centre` with these half-edges.
 pub(super) fn rectangle(
-    builder: &mut SceneBuilder,
+    site: &mut Site,
     centre: DVec3,
     [u, v]: [DVec3; 2],
     material: MaterialId,
 ) -> Result<(), ShapeError> {
     let corners = [centre - u - v, centre + u - v, centre + u + v, centre - u + v];
-    quad(builder, corners, material)
+    quad(site, corners, material)
 }
 
 /// Triangles with smooth normals.
 pub(super) fn mesh(
-    builder: &mut SceneBuilder,
+    site: &mut Site,
     positions: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,
     material: MaterialId,
 ) -> Result<(), ShapeError> {
-    let mesh = Mesh { positions, triangles, ..Mesh::default() };
-    builder.mesh(&mesh, DAffine3::IDENTITY, material).map(|_| ())
+    site.mesh(Mesh { positions, triangles, ..Mesh::default() }, material)
 }
 
 /// Looks at the origin along `-wo`, from closer than anything that could be in the way.

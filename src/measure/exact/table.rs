@@ -1,7 +1,10 @@
 //! The table of answers, and what is asked of each scene.
 
-use super::stage::Stage;
+use super::known::Known;
+use super::stage::{Stage, Where};
 use super::{ExactError, glossy, lamps, rooms};
+use crate::math::lanes::Isa;
+use crate::measure::site::Somewhere;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -24,7 +27,8 @@ pub struct Case {
     pub error: f64,
     /// How `expected` was found.
     pub method: String,
-    scene: Arc<Group>,
+    pub(super) scene: Arc<Group>,
+    pub(super) at: Where,
 }
 
 /// What this program cannot express, and why.
@@ -65,6 +69,7 @@ pub fn all() -> Result<Table, ExactError> {
             error: row.error,
             method: row.method.clone(),
             scene: scene.clone(),
+            at: Where { place: Somewhere::HERE, isa: Isa::detect() },
         }));
         let id = &row.id;
         table.left_out.extend(row.left_out.into_iter().map(|(quantity, reason)| LeftOut {
@@ -79,7 +84,18 @@ pub fn all() -> Result<Table, ExactError> {
 impl Case {
     /// The scene and where it is seen from.
     pub(super) fn stage(&self) -> Result<Stage, ExactError> {
-        self.scene.stage(&self.quantity)
+        self.scene.stage(&self.quantity, self.at)
+    }
+
+    /// The scene's parameters, where it stands and what it runs on.
+    pub fn description(&self) -> String {
+        let Where { place, isa } = self.at;
+        format!("{:?} at {place:?} on {}", self.scene, isa.name())
+    }
+
+    /// The answer computed from the scene's parameters; `None` where there is none.
+    pub fn known(&self) -> Result<Option<Known>, ExactError> {
+        self.scene.known(&self.quantity)
     }
 }
 
@@ -98,7 +114,7 @@ struct Row {
 /// A kind of scene with its parameters.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "group", rename_all = "snake_case")]
-enum Group {
+pub(super) enum Group {
     Furnace(rooms::Furnace),
     PlaneSphere(lamps::PlaneSphere),
     PlaneRect(lamps::PlaneRect),
@@ -116,7 +132,7 @@ enum Group {
 }
 
 impl Group {
-    fn name(&self) -> &'static str {
+    pub(super) fn name(&self) -> &'static str {
         match self {
             Group::Furnace(_) => "white furnace",
             Group::PlaneSphere(_) | Group::PlaneRect(_) => "form factor",
@@ -132,22 +148,22 @@ impl Group {
         }
     }
 
-    fn stage(&self, quantity: &str) -> Result<Stage, ExactError> {
+    fn stage(&self, quantity: &str, at: Where) -> Result<Stage, ExactError> {
         match self {
-            Group::Furnace(s) => s.stage(quantity),
-            Group::PlaneSphere(s) => s.stage(),
-            Group::PlaneRect(s) => s.stage(),
-            Group::PlaneDisk(s) => s.stage(),
-            Group::PlaneQuad(s) => s.stage(),
-            Group::Dome(s) => s.stage(),
-            Group::Ball(s) => s.stage(),
-            Group::SpecRect(s) => s.stage(),
-            Group::SpecSphere(s) => s.stage(),
-            Group::Mirror(s) => s.stage(),
-            Group::Plates(s) => s.stage(quantity),
-            Group::Concentric(s) => s.stage(quantity),
-            Group::Integrating(s) => s.stage(quantity),
-            Group::Cavity(s) => s.stage(quantity),
+            Group::Furnace(s) => s.stage(quantity, at),
+            Group::PlaneSphere(s) => s.stage(at),
+            Group::PlaneRect(s) => s.stage(at),
+            Group::PlaneDisk(s) => s.stage(at),
+            Group::PlaneQuad(s) => s.stage(at),
+            Group::Dome(s) => s.stage(at),
+            Group::Ball(s) => s.stage(at),
+            Group::SpecRect(s) => s.stage(at),
+            Group::SpecSphere(s) => s.stage(at),
+            Group::Mirror(s) => s.stage(at),
+            Group::Plates(s) => s.stage(quantity, at),
+            Group::Concentric(s) => s.stage(quantity, at),
+            Group::Integrating(s) => s.stage(quantity, at),
+            Group::Cavity(s) => s.stage(quantity, at),
         }
     }
 }
