@@ -296,6 +296,94 @@ fn what_has_no_recipe_is_code_1_and_says_why() {
     assert!(must_not(&folder, &["info", "a.scn", "--scene"]).contains("--scene is about pictures"));
 }
 
+/// Kind: text of a picture that steers the terminal, in each of the ways that it can be shown.
+#[test]
+fn no_control_character_of_a_picture_reaches_the_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.scn"), SCENE).unwrap();
+    must(&folder, &["render", "a.scn", "--passes", "1", "--size", "8x6", "-o", "a.png"]);
+    let good = read_recipe(&folder.path().join("a.png")).unwrap().unwrap();
+    let evil = "x\\u001b[31m\\u0007\\n\\u009b5m\u{202e}\u{9b}evil";
+    let write = |name: &str, text: &str| {
+        let (path, black) = (folder.path().join(name), Picture::black(4, 4));
+        burnish::picture::write_with_recipe(&path, &black, Tone::default(), text).unwrap();
+    };
+    write("good.png", &good);
+    let lines = must(&folder, &["info", "good.png"]).lines().count();
+    for (from, to) in [
+        ("\"a.scn\"", format!("\"{evil}\"")),
+        ("# Two balls", format!("# {evil}")),
+        ("\"isa\":", format!("\"{evil}\": 1, \"isa\":")),
+        ("{", "\u{1b}]0;title\u{7}{".to_owned()),
+        ("\"recipe\": 1", format!("\"recipe\": \"{evil}\"")),
+    ] {
+        let text = good.replacen(from, &to, 1);
+        assert_ne!(text, good, "{from}");
+        for kind in ["png", "exr"] {
+            let name = format!("evil.{kind}");
+            write(&name, &text);
+            for option in [&[][..], &["--json"], &["--scene"]] {
+                let output = run(&folder, &[&["info", &name], option].concat());
+                for stream in [&output.stdout, &output.stderr] {
+                    let shown = String::from_utf8(stream.clone()).unwrap();
+                    let odd = |c: char| c.is_control() && c != '\n' || c == '\u{202e}';
+                    assert!(!shown.contains(odd), "{from} {option:?}: {shown:?}");
+                }
+                // What has no line ends of its own gets none: no line can be made up.
+                let told = String::from_utf8_lossy(&output.stdout).lines().count();
+                assert!(!option.is_empty() || told == 0 || told == lines, "{from}: {told}");
+            }
+        }
+    }
+    // JSON stays the same JSON.
+    let text = good.replacen("\"a.scn\"", &format!("\"{evil}\""), 1);
+    write("evil.png", &text);
+    let shown: Value =
+        serde_json::from_str(&must(&folder, &["info", "evil.png", "--json"])).unwrap();
+    assert_eq!(shown, serde_json::from_str::<Value>(&text).unwrap());
+}
+
+/// Kind: a picture of another program. What it has is listed, in the one line of the error.
+#[test]
+fn a_picture_without_a_recipe_says_what_it_has() {
+    use exr::prelude::*;
+    let folder = tempfile::tempdir().unwrap();
+    let layer = |name: &str| {
+        let sample = |_: Vec2<usize>| (1.0f32, 2.0f32, 3.0f32);
+        let size = Vec2(5, 3);
+        let name = LayerAttributes::named(name);
+        Layer::new(size, name, Encoding::FAST_LOSSLESS, SpecificChannels::rgb(sample))
+    };
+    let image = Image::empty(ImageAttributes::new(IntegerBounds::from_dimensions((5, 3))));
+    let path = folder.path().join("a.exr");
+    image.with_layer(layer("left")).with_layer(layer("right")).write().to_file(&path).unwrap();
+    let error = must_not(&folder, &["info", "a.exr"]);
+    assert!(error.contains("no recipe"), "{error}");
+    assert!(error.contains("5x3 pixels, part `left` (B, G, R), part `right` (B, G, R)"), "{error}");
+    let error = must_not(&folder, &["info", "a.exr", "--part", "middle"]);
+    assert!(error.contains("no part") && error.contains("part `left` (B, G, R)"), "{error}");
+    write(&folder.path().join("b.png"), &Picture::black(7, 2), Tone::default()).unwrap();
+    assert!(must_not(&folder, &["info", "b.png"]).contains("7x2 pixels"));
+    fs::write(folder.path().join("a.scn"), SCENE).unwrap();
+    let error = must_not(&folder, &["info", "a.scn", "--part", "left"]);
+    assert!(error.contains("--part is about pictures"), "{error}");
+
+    // Compare tells which it takes.
+    let output =
+        run(&folder, &["compare", "a.exr", "a.exr", "--part", "right", "--reference-part", "left"]);
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && !told.contains("chooses"), "{told}");
+    assert!(told.contains("`right` is read") && told.contains("`left` is read"), "{told}");
+    let output = run(&folder, &["compare", "a.exr", "a.exr"]);
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        told.contains("`left` is read") && told.contains("--part NAME chooses another"),
+        "{told}"
+    );
+    let error = must_not(&folder, &["compare", "a.exr", "a.exr", "--part", "middle"]);
+    assert!(error.contains("part `left` (B, G, R), part `right` (B, G, R)"), "{error}");
+}
+
 #[test]
 fn a_scene_is_described() {
     let folder = tempfile::tempdir().unwrap();

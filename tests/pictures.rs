@@ -3,7 +3,8 @@
 mod support;
 
 use burnish::picture::{Curve, Format, NAN_COLOUR, Picture, SaveError, Tone};
-use burnish::picture::{check_writable, read_exr, read_recipe, replace_file};
+use burnish::picture::{check_writable, contents, read_exr, read_exr_part, read_recipe};
+use burnish::picture::{read_recipe_of, replace_file};
 use burnish::picture::{write, write_with_recipe};
 use std::fs;
 use std::io;
@@ -365,16 +366,274 @@ fn broken_and_oversized_exr_files_are_errors() {
     for length in [0, 4, 100, whole.len() / 2, whole.len() - 1] {
         fs::write(&path, &whole[..length]).unwrap();
         let text = read_exr(&path).unwrap_err().to_string();
-        assert!(text.contains("a.exr") && text.contains("16384"), "{length}: {text}");
+        assert!(text.contains("a.exr") && text.contains("32768"), "{length}: {text}");
     }
     let missing = read_exr(&folder.path().join("none.exr")).unwrap_err().to_string();
     assert!(missing.contains("none.exr"), "{missing}");
 
-    // A side of 16385 is beyond the limit, whatever the memory.
-    write(&path, &Picture::black(16_385, 1), Tone::default()).unwrap();
+    // Every size that is rendered is read, and no larger one, whatever the memory.
+    write(&path, &Picture::black(32_769, 1), Tone::default()).unwrap();
     assert!(read_exr(&path).is_err());
-    write(&path, &Picture::black(16_384, 1), Tone::default()).unwrap();
-    assert!(read_exr(&path).is_ok());
+    for (width, height) in [(32_768, 1), (1, 32_768), (20_000, 2)] {
+        let mut picture = Picture::black(width, height);
+        picture.pixels.iter_mut().enumerate().for_each(|(i, p)| p[i % 3] = i as f32);
+        write(&path, &picture, Tone::default()).unwrap();
+        assert!(read_exr(&path).unwrap() == picture, "{width}x{height}");
+    }
+}
+
+/// A file in which these 32-bit numbers follow an attribute's name and type.
+fn with_window(whole: &[u8], name: &str, window: [i32; 4]) -> Vec<u8> {
+    let head = format!("{name}\0box2i\0\x10\0\0\0");
+    let at = whole.windows(head.len()).position(|w| w == head.as_bytes()).unwrap() + head.len();
+    let mut bytes = whole.to_vec();
+    for (i, x) in window.into_iter().enumerate() {
+        bytes[at + 4 * i..at + 4 * i + 4].copy_from_slice(&x.to_le_bytes());
+    }
+    bytes
+}
+
+/// Kind: a header that claims more than the file can hold is refused before anything is allocated.
+#[test]
+fn claims_that_the_file_cannot_hold_are_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    write(&path, &Picture::black(16, 16), Tone::default()).unwrap();
+    let whole = fs::read(&path).unwrap();
+    let [most, least] = [i32::MAX / 2 - 1, -(i32::MAX / 2)];
+    for name in ["dataWindow", "displayWindow"] {
+        for window in [
+            [0, 0, 0x0fff_ffff, 15],
+            [0, 0, 15, 0x0fff_ffff],
+            [0, 0, 32_767, 32_767],
+            [least, least, most, most],
+            [-16_000, -16_000, 16_000, 16_000],
+        ] {
+            fs::write(&path, with_window(&whole, name, window)).unwrap();
+            let start = std::time::Instant::now();
+            let text = read_exr(&path).unwrap_err().to_string();
+            assert!(
+                text.contains("a.exr") && text.lines().count() == 1,
+                "{name} {window:?}: {text}"
+            );
+            assert!(start.elapsed().as_secs() < 5, "{name} {window:?}");
+        }
+    }
+    // What lies outside the display window is left out and told; what it has beyond is black.
+    let pixels = (0..256).map(|i| [i as f32; 3]).collect();
+    write(&path, &Picture { width: 16, height: 16, pixels }, Tone::default()).unwrap();
+    let whole = fs::read(&path).unwrap();
+    fs::write(&path, with_window(&whole, "displayWindow", [-2, 4, 9, 20])).unwrap();
+    let read = read_exr_part(&path, None).unwrap();
+    assert_eq!((read.picture.width, read.picture.height), (12, 17));
+    assert_eq!(read.picture.pixels[0], [0.0; 3]);
+    assert_eq!(read.picture.pixels[2], [64.0; 3]);
+    assert_eq!(read.picture.pixels[12 * 16 + 5], [0.0; 3]);
+    assert_eq!(
+        read.remarks,
+        ["136 of its 256 pixels lie outside its display window and are left out"]
+    );
+}
+
+/// An OpenEXR file of several parts, each with a name and channels of one value each.
+fn parts(
+    path: &Path,
+    parts: &[(&str, &[(&str, f32)])],
+    change: impl Fn(&mut exr::prelude::ImageAttributes),
+) {
+    use exr::prelude::*;
+    let layers: SmallVec<[Layer<AnyChannels<FlatSamples>>; 2]> = parts
+        .iter()
+        .map(|(name, channels)| {
+            let size = Vec2(6, 4);
+            let channels = channels
+                .iter()
+                .map(|(name, value)| {
+                    // Small numbers are written in half precision, as most programs do.
+                    let samples = if *value == value.trunc() {
+                        FlatSamples::F16(vec![f16::from_f32(*value); 24])
+                    } else {
+                        FlatSamples::F32(vec![*value; 24])
+                    };
+                    AnyChannel::new(*name, samples)
+                })
+                .collect();
+            let attributes = LayerAttributes::named(*name);
+            let encoding = Encoding::SMALL_LOSSLESS;
+            Layer::new(size, attributes, encoding, AnyChannels::sort(channels))
+        })
+        .collect();
+    let mut attributes = ImageAttributes::new(IntegerBounds::from_dimensions((6, 4)));
+    change(&mut attributes);
+    Image::from_layers(attributes, layers).write().to_file(path).unwrap();
+}
+
+/// Kind: a file of several parts.
+#[test]
+fn one_of_several_parts_is_read_by_its_name_and_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    let rgb = |x: f32| [("R", x), ("G", x + 1.0), ("B", x + 2.0)];
+    parts(&path, &[("depth", &[("Z", 9.0)]), ("albedo", &rgb(1.0)), ("beauty", &rgb(4.5))], |_| {});
+    let has = "part `depth` (Z), part `albedo` (B, G, R), part `beauty` (B, G, R)";
+    for (part, name, first) in [
+        (None, "albedo", 1.0),
+        (Some("albedo"), "albedo", 1.0),
+        (Some("beauty"), "beauty", 4.5),
+        (Some("BEAUTY"), "beauty", 4.5),
+    ] {
+        let read = read_exr_part(&path, part).unwrap();
+        assert_eq!(read.picture.pixels, [[first, first + 1.0, first + 2.0]; 24], "{part:?}");
+        assert_eq!(read.remarks, [format!("of the pictures in it `{name}` is read: it has {has}")]);
+        assert_eq!(read.choices, 2);
+    }
+    for missing in ["depth", "shadow", "\u{1b}[2J", ""] {
+        let text = read_exr_part(&path, Some(missing)).unwrap_err().to_string();
+        assert!(text.contains(has) && !text.contains('\u{1b}'), "{text}");
+    }
+    assert_eq!(contents(&path).unwrap(), format!("6x4 pixels, {has}"));
+    assert!(read_recipe_of(&path, Some("shadow")).unwrap_err().to_string().contains(has));
+    assert_eq!(read_recipe_of(&path, Some("beauty")).unwrap(), None);
+    // A name with characters that steer a terminal.
+    parts(&path, &[("a\u{1b}[2J", &rgb(1.0)), ("b", &rgb(2.0))], |_| {});
+    let read = read_exr_part(&path, None).unwrap();
+    assert!(read.remarks[0].contains("`a\\u{1b}[2J`"), "{:?}", read.remarks);
+    // A file with one picture has that one.
+    parts(&path, &[("only", &rgb(3.0))], |_| {});
+    assert_eq!(read_exr_part(&path, Some("other")).unwrap().picture.pixels[0], [3.0, 4.0, 5.0]);
+    assert_eq!(read_exr_part(&path, None).unwrap().remarks, [""; 0]);
+}
+
+/// Kinds: layers within a part, channels in lower case or by their words, and Y alone.
+#[test]
+fn channels_by_other_names_are_read_or_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    type Channels<'a> = &'a [(&'a str, f32)];
+    let cases: [(Channels, Option<&str>, [f32; 3], &str); 9] = [
+        (
+            &[("beauty.R", 1.0), ("beauty.G", 2.0), ("beauty.B", 3.0)],
+            None,
+            [1.0, 2.0, 3.0],
+            "its channels beauty.R, beauty.G, beauty.B are read as R, G, B",
+        ),
+        (&[("r", 1.0), ("g", 2.0), ("b", 3.0)], None, [1.0, 2.0, 3.0], "its channels r, g, b are"),
+        (
+            &[("red", 1.0), ("green", 2.0), ("blue", 3.0), ("A", 1.0)],
+            None,
+            [1.0, 2.0, 3.0],
+            "its channels red, green, blue are read",
+        ),
+        (&[("R", 1.0), ("G", 2.0), ("B", 3.0), ("b", 4.0)], None, [1.0, 2.0, 3.0], ""),
+        (&[("Y", 5.0)], None, [5.0; 3], "its channel Y is read as grey"),
+        (&[("y", 5.0), ("A", 1.0)], None, [5.0; 3], "its channel y is read as grey"),
+        (
+            &[
+                ("a.R", 1.0),
+                ("a.G", 2.0),
+                ("a.B", 3.0),
+                ("b.c.R", 4.0),
+                ("b.c.G", 5.0),
+                ("b.c.B", 6.0),
+            ],
+            Some("b.c"),
+            [4.0, 5.0, 6.0],
+            "of the pictures in it `b.c` is read",
+        ),
+        (
+            &[("R", 1.0), ("G", 2.0), ("B", 3.0), ("z.R", 4.0), ("z.G", 5.0), ("z.B", 6.0)],
+            None,
+            [1.0, 2.0, 3.0],
+            "of the pictures in it the one without a layer is read",
+        ),
+        (
+            &[("R", 1.0), ("G", 2.0), ("B", 3.0), ("z.R", 4.0), ("z.G", 5.0), ("z.B", 6.0)],
+            Some("z"),
+            [4.0, 5.0, 6.0],
+            "of the pictures in it `z` is read",
+        ),
+    ];
+    for (channels, part, pixel, told) in cases {
+        // A part without a name, as files of one part are.
+        parts(&path, &[("", channels)], |_| {});
+        let read = read_exr_part(&path, part).unwrap();
+        assert_eq!(read.picture.pixels, [pixel; 24], "{channels:?}");
+        let all = read.remarks.join("; ");
+        assert!(all.contains(told) && all.is_empty() == told.is_empty(), "{channels:?}: {all}");
+    }
+    for channels in [&[("Z", 1.0)][..], &[("R", 1.0), ("G", 2.0)], &[("U", 1.0), ("V", 1.0)]] {
+        parts(&path, &[("", channels)], |_| {});
+        let text = read_exr(&path).unwrap_err().to_string();
+        let names: Vec<&str> = channels.iter().map(|(name, _)| *name).collect();
+        let mut names = names;
+        names.sort_unstable();
+        assert!(
+            text.contains(&names.join(", ")) && text.contains("no red, green and blue"),
+            "{text}"
+        );
+    }
+}
+
+/// Kind: a file that cannot be read at all still says what it has.
+#[test]
+fn chroma_of_fewer_samples_is_an_error_that_lists_the_channels() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    parts(&path, &[("", &[("BY", 0.5), ("RY", 0.5), ("Y", 1.0)])], |_| {});
+    assert_eq!(read_exr(&path).unwrap().pixels[0], [1.0; 3]);
+    let mut bytes = fs::read(&path).unwrap();
+    for name in [&b"BY\0"[..], b"RY\0"] {
+        let at = bytes.windows(3).position(|w| w == name).unwrap() + 3;
+        // Behind type, linearity and three bytes that are kept free.
+        bytes[at + 8..at + 16].copy_from_slice(&[2, 0, 0, 0, 2, 0, 0, 0]);
+    }
+    fs::write(&path, bytes).unwrap();
+    let text = read_exr(&path).unwrap_err().to_string();
+    assert!(text.contains("the file has channels BY, RY, Y"), "{text}");
+}
+
+/// Kind: colours of other primaries than Rec. 709.
+#[test]
+fn colours_of_other_primaries_are_converted_and_told() {
+    use exr::meta::attribute::Chromaticities;
+    use exr::prelude::Vec2;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    let of = |c: [f32; 8]| {
+        let point = |i: usize| Vec2(c[i], c[i + 1]);
+        Some(Chromaticities { red: point(0), green: point(2), blue: point(4), white: point(6) })
+    };
+    let d65 = [0.3127, 0.329];
+    let rec_709 = [0.64, 0.33, 0.3, 0.6, 0.15, 0.06, d65[0], d65[1]];
+    let rec_2020 = [0.708, 0.292, 0.17, 0.797, 0.131, 0.046, d65[0], d65[1]];
+    let p3 = [0.68, 0.32, 0.265, 0.69, 0.15, 0.06, d65[0], d65[1]];
+    let none = [0.3, 0.3, 0.3, 0.3, 0.3, 0.3, d65[0], d65[1]];
+    let write = |chromaticities: [f32; 8], [r, g, b]: [f32; 3]| {
+        parts(&path, &[("", &[("R", r), ("G", g), ("B", b)])], |a| {
+            a.chromaticities = of(chromaticities);
+        });
+        let read = read_exr_part(&path, None).unwrap();
+        (read.picture.pixels[7], read.remarks)
+    };
+    assert_eq!(write(rec_709, [0.25, 0.5, 3.5]), ([0.25, 0.5, 3.5], vec![]));
+    let mut written_short = rec_709;
+    written_short[6..].copy_from_slice(&[0.31271, 0.32902]);
+    assert_eq!(write(written_short, [0.25, 0.5, 3.5]).1, [""; 0]);
+    // The published matrices, to the digits that the primaries have.
+    for (primaries, expected) in
+        [(rec_2020, [1.6605, -0.1246, -0.0182]), (p3, [1.2249, -0.0420, -0.0197])]
+    {
+        let (pixel, told) = write(primaries, [1.0, 0.0, 0.0]);
+        for (got, wanted) in pixel.iter().zip(expected) {
+            assert!((got - wanted).abs() < 2e-4, "{pixel:?}");
+        }
+        assert!(told[0].contains("converted to Rec. 709"), "{told:?}");
+        let (white, _) = write(primaries, [0.5; 3]);
+        assert!(white.iter().all(|x| (x - 0.5).abs() < 1e-6), "{white:?}");
+    }
+    let (pixel, told) = write(none, [0.25, 0.5, 3.5]);
+    assert_eq!(pixel, [0.25, 0.5, 3.5]);
+    assert!(told[0].contains("make no colours: read as Rec. 709"), "{told:?}");
 }
 
 /// One to four bytes changed, mostly in the header: what is read is a picture or an error with the

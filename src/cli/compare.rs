@@ -1,11 +1,11 @@
 //! `burnish compare`: how far one picture is from another.
 
 use super::figures::significant;
-use super::{Failure, print, values};
+use super::{Failure, print, talk, values};
 use burnish::measure::difference::{self, Difference};
 use burnish::measure::error::{ALL, MEAN_ERROR, Pair, REFERENCE_NOISE, Reference};
 use burnish::measure::flip::{self, Flip};
-use burnish::picture::{Curve, Picture, Tone, check_writable, read_exr, write};
+use burnish::picture::{Curve, Picture, Tone, check_writable, read_exr_part, write};
 use std::path::{Path, PathBuf};
 
 /// Measures how far a picture is from a reference, each number with its formula.
@@ -13,12 +13,20 @@ use std::path::{Path, PathBuf};
 #[command(allow_negative_numbers = true)]
 #[command(after_help = "Examples:
   burnish compare fast.exr converged.exr
-  burnish compare fast.exr converged.exr -o difference.png --flip seen.png --exposure -1")]
+  burnish compare fast.exr converged.exr -o difference.png --flip seen.png --exposure -1
+  burnish compare all.exr all.exr --part noisy --reference-part denoised")]
 pub(super) struct Args {
     /// Picture to judge, an OpenEXR file: x in the formulas.
     picture: PathBuf,
     /// Picture to hold it against, an OpenEXR file of the same size: r in the formulas.
     reference: PathBuf,
+    /// The part or layer to read where a file has several, by its name. Without it, the first that
+    /// has colours; what is read is told.
+    #[arg(long, value_name = "NAME")]
+    part: Option<String>,
+    /// The same for the reference alone.
+    #[arg(long, value_name = "NAME")]
+    reference_part: Option<String>,
     /// Writes where they differ, in false colours: white where not, red where the picture is too
     /// bright, blue where it is too dark.
     #[arg(short, long = "output", value_name = "FILE", value_parser = values::picture)]
@@ -43,8 +51,10 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     for path in args.output.iter().chain(&args.flip) {
         check_writable(path).map_err(Failure::new)?;
     }
-    let picture = read(&args.picture)?;
-    let reference = Reference::known(read(&args.reference)?);
+    let part = args.part.as_deref();
+    let picture = read(&args.picture, part, "--part")?;
+    let part = args.reference_part.as_deref().or(part);
+    let reference = Reference::known(read(&args.reference, part, "--reference-part")?);
     let pair = Pair::new(&picture, &reference).map_err(Failure::new)?;
     let tone = Tone { exposure: args.exposure, curve: args.tone };
     let seen = Flip::tone_mapped(&pair, tone);
@@ -110,7 +120,7 @@ fn figure(value: f64) -> String {
 }
 
 /// Pictures of radiance alone can be measured: a PNG file has been through a tone curve.
-fn read(path: &Path) -> Result<Picture, Failure> {
+fn read(path: &Path, part: Option<&str>, option: &str) -> Result<Picture, Failure> {
     let exr = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
     if !exr {
         return Err(Failure::new(format_args!(
@@ -119,7 +129,14 @@ fn read(path: &Path) -> Result<Picture, Failure> {
             path.display()
         )));
     }
-    read_exr(path).map_err(Failure::new)
+    let read = read_exr_part(path, part).map_err(Failure::new)?;
+    for remark in &read.remarks {
+        talk::note(format_args!("{}: {remark}", path.display()));
+    }
+    if part.is_none() && read.choices > 1 {
+        talk::note(format_args!("{}: {option} NAME chooses another", path.display()));
+    }
+    Ok(read.picture)
 }
 
 fn save(path: &Path, colours: &Picture) -> Result<(), Failure> {

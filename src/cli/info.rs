@@ -1,8 +1,8 @@
 //! `burnish info`: what a picture was made of, or what is in a scene.
 
-use super::{Failure, print, scene};
+use super::{Failure, plain, print, scene, talk};
 use crate::shell::{line as line_of, quoted};
-use burnish::picture::{Format, read_recipe};
+use burnish::picture::{Format, contents as picture_contents, read_recipe_of};
 use burnish::progressive::{MaterialRecipe, Recipe};
 use burnish::scene::{Material, Report, Scene, SourceFile};
 use serde::Serialize;
@@ -28,6 +28,10 @@ pub(super) struct Args {
     /// Prints the text of a picture's scene, with its materials, camera and size in it.
     #[arg(long, conflicts_with = "json")]
     scene: bool,
+    /// The part of an OpenEXR picture that is meant, by its name. Without it, the first that has a
+    /// recipe.
+    #[arg(long, value_name = "NAME")]
+    part: Option<String>,
 }
 
 /// Finds out and prints.
@@ -35,9 +39,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let path = args.file.as_path();
     if Format::of(path).is_ok() {
         picture(path, args)
-    } else if args.scene {
-        let path = path.display();
-        Err(Failure::new(format_args!("{path}: --scene is about pictures: .png or .exr files")))
+    } else if args.scene || args.part.is_some() {
+        let (path, option) = (path.display(), if args.scene { "--scene" } else { "--part" });
+        Err(Failure::new(format_args!("{path}: {option} is about pictures: .png or .exr files")))
     } else {
         describe_scene(path, args.json)
     }
@@ -45,23 +49,31 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 
 fn picture(path: &Path, args: &Args) -> Result<(), Failure> {
     let about = |e: &dyn Display| Failure::new(format_args!("{}: {e}", path.display()));
-    let text = read_recipe(path).map_err(Failure::new)?.ok_or_else(|| {
-        about(&"there is no recipe in it: it was written by another program, or saved again by one")
+    let found = read_recipe_of(path, args.part.as_deref()).map_err(Failure::new)?;
+    let found = found.ok_or_else(|| {
+        let has = picture_contents(path).map_or(String::new(), |has| format!("; it has {has}"));
+        about(&format_args!(
+            "there is no recipe in it: it was written by another program, or saved again by one{has}"
+        ))
     })?;
+    if let Some(part) = &found.part {
+        talk::note(format_args!("{}: this is about its part `{part}`", path.display()));
+    }
+    let text = found.text;
     if args.json {
         return print(text.trim_end());
     }
     let recipe = Recipe::parse(&text).map_err(|e| about(&e))?;
     if args.scene {
         let text = recipe.scene_text().map_err(|e| about(&e))?;
-        return print(text.trim_end());
+        return print(text.replace("\r\n", "\n").replace('\r', "\n").trim_end());
     }
     describe_picture(path, &recipe)
 }
 
 /// A line of two columns.
 fn line(label: &str, text: impl Display) -> Result<(), Failure> {
-    print(format_args!("{label:<10} {text}").to_string().trim_end())
+    print(plain::line(&format!("{label:<10} {text}")).trim_end())
 }
 
 fn describe_picture(path: &Path, recipe: &Recipe) -> Result<(), Failure> {

@@ -12,6 +12,7 @@ mod info;
 mod interrupt;
 mod jobs;
 mod pixel;
+mod plain;
 mod progress;
 mod render;
 mod report;
@@ -91,9 +92,8 @@ pub(crate) fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure(text)) => {
-            if let Some(text) = text {
-                talk::error(text);
-            }
+            // A line for each error of a file.
+            text.iter().flat_map(|text| text.lines()).for_each(talk::error);
             ExitCode::FAILURE
         }
     }
@@ -109,7 +109,8 @@ fn misused(text: impl Display) -> ! {
     command().error(clap::error::ErrorKind::ValueValidation, text).exit()
 }
 
-/// Why nothing came of it, in one line that says what to do: exit code 1. `None` when whoever
+/// Why nothing came of it, in one line that says what to do, or one for each of a file's errors:
+/// exit code 1. `None` when whoever
 /// read stdout has left, as `head` does: there is nobody to tell.
 #[derive(Debug)]
 struct Failure(Option<String>);
@@ -128,7 +129,7 @@ impl From<io::Error> for Failure {
     }
 }
 
-/// A line on stdout.
+/// A line on stdout, or several. What a file brought into it cannot steer the terminal.
 fn print(line: impl Display) -> Result<(), Failure> {
-    Ok(writeln!(io::stdout().lock(), "{line}")?)
+    Ok(writeln!(io::stdout().lock(), "{}", plain::lines(&line.to_string()))?)
 }

@@ -3,6 +3,7 @@
 //! Colours are for terminals alone and never where NO_COLOR is set; `anstream`, which clap uses for
 //! its own messages, knows all the customs. What a progress bar draws is not coloured.
 
+use super::plain;
 use anstyle::{AnsiColor, Style};
 use std::fmt::Display;
 use std::io::Write;
@@ -57,18 +58,19 @@ pub(super) fn note(text: impl Display) {
 /// A line about what goes on.
 pub(super) fn say(text: impl Display) {
     if loud(Volume::Normal) {
-        line(text);
+        line(plain::lines(&text.to_string()));
     }
 }
 
 /// A line for those who asked for more.
 pub(super) fn detail(text: impl Display) {
     if loud(Volume::Verbose) {
-        line(text);
+        line(plain::lines(&text.to_string()));
     }
 }
 
 fn coloured(style: Style, word: &str, text: impl Display) {
+    let text = plain::lines(&text.to_string());
     line(format_args!("{style}{word}{style:#} {text}"));
 }
 

@@ -1,9 +1,10 @@
 //! PNG and OpenEXR files.
 
+use super::exr_file::{self, LARGEST_SIDE, ReadPicture};
 use super::{Picture, SaveError, Sink, Tone, replace_file};
 use exr::meta::attribute::{AttributeValue, Text};
+use exr::meta::header::Header;
 use exr::prelude::{MetaData, SpecificChannels, Vec2, WritableImage};
-use image::{ImageFormat, ImageReader, Limits};
 use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
@@ -46,8 +47,8 @@ pub enum ReadError {
     },
     /// It is broken, too large, or something else altogether.
     #[error(
-        "{}: {reason}; only OpenEXR pictures with channels R, G, B of up to {side} pixels a side \
-         and 1 GiB of samples are read", .path.display(), side = LARGEST_SIDE
+        "{}: {reason}; only OpenEXR pictures of up to {side} pixels a side are read",
+        .path.display(), side = LARGEST_SIDE
     )]
     Content {
         /// The file.
@@ -64,11 +65,6 @@ pub enum ReadError {
         reason: String,
     },
 }
-
-/// Largest width and height that is read.
-const LARGEST_SIDE: u32 = 16_384;
-/// Most bytes that the samples of a picture being read may take.
-const MOST_BYTES: u64 = 1 << 30;
 
 /// What files name as the program that wrote them.
 const SOFTWARE: &str = concat!("burnish ", env!("CARGO_PKG_VERSION"));
@@ -161,15 +157,56 @@ fn text(utf8: &str) -> Text {
 /// The recipe that is written beside the pixels of a PNG or OpenEXR file; `None` if there is none,
 /// as in pictures of other programs.
 pub fn read_recipe(path: &Path) -> Result<Option<String>, ReadError> {
+    Ok(read_recipe_of(path, None)?.map(|recipe| recipe.text))
+}
+
+/// A recipe, and of which part it is where the file has several.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FoundRecipe {
+    /// The recipe itself.
+    pub text: String,
+    /// The part's name; `None` in a file with one picture.
+    pub part: Option<String>,
+}
+
+/// The same of one part of an OpenEXR file; without a part, of the first that has a recipe.
+pub fn read_recipe_of(path: &Path, part: Option<&str>) -> Result<Option<FoundRecipe>, ReadError> {
     let content = |reason: String| ReadError::Recipe { path: path.to_path_buf(), reason };
     let format = Format::of(path).map_err(|_| content("unknown kind of picture".to_owned()))?;
-    let file =
-        File::open(path).map_err(|source| ReadError::Open { path: path.to_path_buf(), source })?;
-    let file = BufReader::new(file);
+    let file = BufReader::new(open(path)?);
     match format {
-        Format::Png => png_recipe(file).map_err(|e| content(e.to_string())),
-        Format::Exr => exr_recipe(file).map_err(|e| content(e.to_string())),
+        Format::Png => {
+            let text = png_recipe(file).map_err(|e| content(e.to_string()))?;
+            Ok(text.map(|text| FoundRecipe { text, part: None }))
+        }
+        Format::Exr => exr_recipe(file, part).map_err(content),
     }
+}
+
+/// What is in a picture file, for a message: its size, and the parts and channels of an OpenEXR
+/// file.
+pub fn contents(path: &Path) -> Result<String, ReadError> {
+    let content = |reason: String| ReadError::Recipe { path: path.to_path_buf(), reason };
+    let format = Format::of(path).map_err(|_| content("unknown kind of picture".to_owned()))?;
+    let file = BufReader::new(open(path)?);
+    match format {
+        Format::Png => {
+            let reader = png::Decoder::new(file).read_info().map_err(|e| content(e.to_string()))?;
+            let png::Info { width, height, .. } = reader.info();
+            Ok(format!("{width}x{height} pixels"))
+        }
+        Format::Exr => {
+            let headers = headers(file).map_err(content)?;
+            let size = headers.first().map(|h| h.shared_attributes.display_window.size);
+            let size = size.map_or_else(Vec2::default, |size| size);
+            let has = exr_file::contents(&headers);
+            Ok(format!("{}x{} pixels, {has}", size.width(), size.height()))
+        }
+    }
+}
+
+fn open(path: &Path) -> Result<File, ReadError> {
+    File::open(path).map_err(|source| ReadError::Open { path: path.to_path_buf(), source })
 }
 
 fn png_recipe(file: BufReader<File>) -> Result<Option<String>, png::DecodingError> {
@@ -178,38 +215,51 @@ fn png_recipe(file: BufReader<File>) -> Result<Option<String>, png::DecodingErro
     chunks.find(|chunk| chunk.keyword == RECIPE).map(|chunk| chunk.get_text()).transpose()
 }
 
-fn exr_recipe(file: BufReader<File>) -> exr::error::Result<Option<String>> {
+fn headers(file: BufReader<File>) -> Result<Vec<Header>, String> {
+    let meta_data = MetaData::read_from_buffered(file, false).map_err(|e| e.to_string())?;
+    Ok(meta_data.headers.into_iter().collect())
+}
+
+fn exr_recipe(file: BufReader<File>, wanted: Option<&str>) -> Result<Option<FoundRecipe>, String> {
     let name = text(RECIPE);
-    let headers = MetaData::read_from_buffered(file, false)?.headers;
-    let attributes = headers.iter().flat_map(|header| {
-        [&header.own_attributes.other, &header.shared_attributes.other].map(|all| all.get(&name))
-    });
-    let recipe = attributes.flatten().find_map(|value| match value {
-        AttributeValue::Text(text) => Some(String::from_utf8_lossy(text.as_slice()).into_owned()),
-        _ => None,
+    let headers = headers(file)?;
+    let several = headers.len() > 1;
+    let is_meant = |header: &&Header| {
+        let own = exr_file::part_name(header);
+        !several || wanted.is_none_or(|wanted| own.is_some_and(|own| own == wanted))
+    };
+    if !headers.iter().any(|header| is_meant(&header)) {
+        let has = exr_file::contents(&headers);
+        return Err(format!("no part in it has this name: the file has {has}"));
+    }
+    let recipe = headers.iter().filter(is_meant).find_map(|header| {
+        let attributes = [&header.own_attributes.other, &header.shared_attributes.other];
+        attributes.into_iter().find_map(|all| match all.get(&name) {
+            Some(AttributeValue::Text(text)) => Some(FoundRecipe {
+                text: String::from_utf8_lossy(text.as_slice()).into_owned(),
+                part: exr_file::part_name(header).filter(|_| several),
+            }),
+            _ => None,
+        })
     });
     Ok(recipe)
 }
 
-/// Reads the R, G, B channels of an OpenEXR file as they are, NaN and infinity included. Other
-/// channels are left out.
-///
-/// At most 16384 pixels a side and 1 GiB of samples are read: a small file can claim to hold a
-/// huge picture.
+/// Reads the picture in an OpenEXR file, NaN and infinity included: of several the first. See
+/// [`read_exr_part`].
 pub fn read_exr(path: &Path) -> Result<Picture, ReadError> {
-    let file =
-        File::open(path).map_err(|source| ReadError::Open { path: path.to_path_buf(), source })?;
-    let mut reader = ImageReader::with_format(BufReader::new(file), ImageFormat::OpenExr);
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(LARGEST_SIDE);
-    limits.max_image_height = Some(LARGEST_SIDE);
-    limits.max_alloc = Some(MOST_BYTES);
-    reader.limits(limits);
-    let image = reader
-        .decode()
-        .map_err(|e| ReadError::Content { path: path.to_path_buf(), reason: e.to_string() })?
-        .into_rgb32f();
-    let (width, height) = image.dimensions();
-    let (pixels, _) = image.as_raw().as_chunks();
-    Ok(Picture { width, height, pixels: pixels.to_vec() })
+    read_exr_part(path, None).map(|read| read.picture)
+}
+
+/// Reads one of the pictures in an OpenEXR file, by the name of its part or layer; the first
+/// without a name. A file with a single picture has that one, whatever the name.
+///
+/// Its channels are R, G and B in upper or lower case, or Y alone. Colours of other primaries than
+/// Rec. 709 are converted, with Bradford's adaptation of the white. At most 32768 pixels a side are
+/// read, and no more than the file's length explains: a small file can claim to hold a huge picture.
+pub fn read_exr_part(path: &Path, part: Option<&str>) -> Result<ReadPicture, ReadError> {
+    let file = open(path)?;
+    let length = file.metadata().map_or(0, |about| about.len());
+    exr_file::read(BufReader::new(file), length, part)
+        .map_err(|reason| ReadError::Content { path: path.to_path_buf(), reason })
 }

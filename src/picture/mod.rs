@@ -2,11 +2,17 @@
 
 mod atomic;
 mod dither;
+mod exr_file;
 mod files;
+mod primaries;
 mod tone;
 
 pub use atomic::{SaveError, Sink, check_writable, replace_file};
-pub use files::{Format, ReadError, read_exr, read_recipe, write, write_with_recipe};
+pub use exr_file::ReadPicture;
+pub use files::{
+    Format, ReadError, contents, read_exr, read_exr_part, read_recipe, read_recipe_of,
+};
+pub use files::{FoundRecipe, write, write_with_recipe};
 pub use tone::{Curve, NAN_COLOUR, Tone};
 
 /// Radiance of every pixel, linear Rec. 709, rows from the top.

@@ -29,7 +29,7 @@ impl App {
             Action::SaveScene => self.save_scene(ctx),
             Action::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
             Action::Browse => self.browse(ctx),
-            Action::Reload => self.load(ctx, self.source.clone(), true),
+            Action::Reload => self.reload(ctx),
             Action::CopyCommand => self.copy_command(ctx),
             _ => self.edit(ctx, action),
         }

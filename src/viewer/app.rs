@@ -42,12 +42,21 @@ pub(super) struct Setup {
     pub(super) dialog: Dialog,
 }
 
+/// A scene that was asked for in vain.
+pub(super) struct Missed {
+    source: Source,
+    why: String,
+    watch: Option<Watch>,
+}
+
 pub(super) struct App {
     pub(super) document: Option<Document>,
     pub(super) render: Option<Render>,
     pub(super) loading: Option<Loading>,
-    /// The scene that was asked for last, to be read again.
+    /// The scene that was asked for last.
     pub(super) source: Source,
+    /// A scene that could not be read and is not the one shown; it is once its files change.
+    pub(super) missed: Option<Missed>,
     pub(super) saving: Option<Saving>,
     pub(super) browsing: Option<Browsing>,
     dialog: Dialog,
@@ -85,6 +94,7 @@ impl App {
             render: None,
             loading: None,
             source: source.clone(),
+            missed: None,
             saving: None,
             browsing: None,
             dialog,
@@ -120,9 +130,7 @@ impl App {
                 Err(failed) => self.failed(ctx, failed),
             }
         }
-        if self.watch.as_ref().is_some_and(Watch::poll) {
-            self.load(ctx, self.source.clone(), true);
-        }
+        self.changed(ctx);
         self.browsed(ctx);
         if let Some(result) = self.saving.as_ref().and_then(Saving::poll) {
             self.saving = None;
@@ -286,9 +294,32 @@ impl App {
         }
     }
 
+    /// Reads the scene that is shown again; without one, that which was asked for.
+    pub(super) fn reload(&mut self, ctx: &Context) {
+        let shown = self.document.as_ref().map(|d| d.source.clone());
+        self.load(ctx, shown.unwrap_or(self.source.clone()), true);
+    }
+
+    /// Reads again what has changed on disk. What is on its way is waited for: it is not to be
+    /// thrown away.
+    fn changed(&mut self, ctx: &Context) {
+        if self.loading.is_some() {
+            return;
+        }
+        if self.watch.as_ref().is_some_and(Watch::poll) {
+            self.reload(ctx);
+            return;
+        }
+        let Some(missed) = &self.missed else { return };
+        if missed.watch.as_ref().is_some_and(Watch::poll) {
+            self.load(ctx, missed.source.clone(), true);
+        }
+    }
+
     /// Makes a scene that was read the one that is shown; the picture stays until its own comes.
     fn show(&mut self, ctx: &Context, loaded: Loaded) {
         let first = (self.settings.tone, self.settings.goal);
+        let (source, again) = (loaded.source.clone(), loaded.again);
         let document = Document::open(loaded, self.document.as_ref(), first);
         let told = match &mut self.render {
             Some(render) => render.tell(&document),
@@ -302,27 +333,40 @@ impl App {
                     self.settings.recent.add(path);
                 }
                 self.document = Some(document);
-                self.notice = None;
+                // Another scene that is still waited for is not forgotten, nor what is wrong in it.
+                self.missed = self.missed.take().filter(|m| again && m.source != source);
+                let waits = |n: &Notice| self.missed.as_ref().is_some_and(|m| m.why == n.text);
+                self.notice = self.notice.take().filter(waits);
             }
             Err(why) => self.notice = Some(Notice::error(why.to_string())),
         }
         self.look_after(ctx);
     }
 
-    /// Tells why there is no scene. What was shown stays; if the file is another than that one's, it
-    /// is read once more when it has changed.
-    fn failed(&mut self, ctx: &Context, Failed { why, files }: Failed) {
-        self.notice = Some(Notice::error(why));
-        let shown = self.document.as_ref().is_some_and(|d| d.source == self.source);
-        if self.settings.watch && !shown {
-            self.watch = Watch::start(ctx, files);
+    /// Tells why there is no scene. What was shown stays, and is looked after as before. All that
+    /// the message may be about is looked after, too.
+    fn failed(&mut self, ctx: &Context, Failed { why, source, files }: Failed) {
+        self.notice = Some(Notice::error(why.as_str()));
+        let watch = self.settings.watch;
+        if self.document.as_ref().is_some_and(|d| d.source == source) {
+            match &self.watch {
+                Some(watch) => watch.add(files),
+                None if watch => self.watch = Watch::start(ctx, files),
+                None => {}
+            }
+            return;
         }
+        let watch = if watch { Watch::start(ctx, files) } else { None };
+        self.missed = Some(Missed { source, why, watch });
     }
 
     /// Looks after the files of the scene that is shown, if that is wished for.
     fn look_after(&mut self, ctx: &Context) {
         let files = self.document.as_ref().filter(|_| self.settings.watch).map(|d| &d.files);
         self.watch = files.and_then(|files| Watch::start(ctx, files.clone()));
+        if !self.settings.watch {
+            self.missed = None;
+        }
     }
 
     pub(super) fn browse(&mut self, ctx: &Context) {

@@ -2,8 +2,12 @@
 
 use super::watch::Stamp;
 use burnish::scene::builtin::{EXAMPLES, Example};
-use burnish::scene::{Report, Scene, read};
+use burnish::scene::read::{self, Disk, Files};
+use burnish::scene::{Report, Scene};
 use egui::Context;
+use std::borrow::Cow;
+use std::cell::RefCell;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -55,14 +59,15 @@ pub(super) struct Loaded {
     pub(super) source: Source,
     /// It is to be seen from where the one before was seen, if that came from the same place.
     pub(super) again: bool,
-    /// Its files as they were.
+    /// Its files as they were, and the places where others would be that it names.
     pub(super) files: Vec<Stamp>,
 }
 
 /// A scene that could not be had.
 pub(super) struct Failed {
     pub(super) why: String,
-    /// Its own file as it was.
+    pub(super) source: Source,
+    /// Its own file and those that it names, as they were, there or not.
     pub(super) files: Vec<Stamp>,
 }
 
@@ -70,6 +75,7 @@ pub(super) struct Failed {
 pub(super) struct Loading {
     /// For the line that says so.
     pub(super) name: String,
+    source: Source,
     result: Receiver<Result<Loaded, Failed>>,
 }
 
@@ -79,16 +85,17 @@ impl Loading {
         let name = source.name();
         let (send, result) = channel();
         let ctx = ctx.clone();
+        let wanted = source.clone();
         std::thread::Builder::new()
             .name("scene".to_owned())
             .spawn(move || {
                 // Nobody listens any more when another scene has been opened meanwhile.
-                let _ = send.send(build(source, again));
+                let _ = send.send(build(wanted, again));
                 drop(send);
                 ctx.request_repaint();
             })
             .map_err(|e| format!("{name}: could not start a thread to read it: {e}"))?;
-        Ok(Loading { name, result })
+        Ok(Loading { name, source, result })
     }
 
     /// The scene or why there is none; `None` while it is on its way.
@@ -101,6 +108,7 @@ impl Loading {
                     "{}: reading it ended in a fault of burnish; please report it with the file",
                     self.name
                 ),
+                source: self.source.clone(),
                 files: Vec::new(),
             })),
         }
@@ -108,20 +116,46 @@ impl Loading {
 }
 
 fn build(source: Source, again: bool) -> Result<Loaded, Failed> {
-    // Before it is read: what is written meanwhile is a change.
-    let mut files: Vec<Stamp> = source.path().map(Stamp::of).into_iter().collect();
-    let read = match &source {
-        Source::Example(example) => example.read(),
-        Source::File(path) => read::open(path),
+    let (read, files) = match &source {
+        Source::Example(example) => (example.read(), Vec::new()),
+        Source::File(path) => {
+            // Before it is read: what is written meanwhile is a change.
+            let own = Stamp::of(path);
+            let files = Watched { disk: Disk::beside(path), stamps: RefCell::new(vec![own]) };
+            (read::open_with(path, &files), files.stamps.into_inner())
+        }
     };
-    let (builder, mut report) = match read {
-        Ok(read) => read,
-        Err(e) => return Err(Failed { why: e.to_string(), files }),
-    };
-    if source.path().is_some() {
-        files.extend(builder.source.files.iter().skip(1).map(|f| Stamp::of(&f.path)));
+    match read {
+        Ok((builder, mut report)) => {
+            let scene = Arc::new(builder.build());
+            scene.report(&mut report);
+            Ok(Loaded { scene, report, source, again, files })
+        }
+        Err(e) => Err(Failed { why: e.to_string(), source, files }),
     }
-    let scene = Arc::new(builder.build());
-    scene.report(&mut report);
-    Ok(Loaded { scene, report, source, again, files })
+}
+
+/// Files on disk; every place that is looked at is remembered, whether a file is there or not.
+struct Watched {
+    disk: Disk,
+    stamps: RefCell<Vec<Stamp>>,
+}
+
+impl Watched {
+    fn note(&self, place: &Path) {
+        let mut stamps = self.stamps.borrow_mut();
+        if !stamps.iter().any(|stamp| stamp.is_of(place)) {
+            stamps.push(Stamp::of(place));
+        }
+    }
+}
+
+impl Files for Watched {
+    fn find(&self, name: &str) -> Result<(PathBuf, Cow<'_, [u8]>), io::Error> {
+        self.disk.places(name).iter().for_each(|place| self.note(place));
+        let found = self.disk.find(name)?;
+        // It may be found elsewhere after all.
+        self.note(&found.0);
+        Ok(found)
+    }
 }

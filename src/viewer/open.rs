@@ -68,8 +68,14 @@ impl Open {
             return None;
         }
         self.shown = false;
-        Some(Source::named(PathBuf::from(path)))
+        Some(Source::named(unquoted(path)))
     }
+}
+
+/// The path that is meant: file managers copy paths in quotes.
+fn unquoted(text: &str) -> PathBuf {
+    let bare = ['"', '\''].iter().find_map(|q| text.strip_prefix(*q)?.strip_suffix(*q));
+    PathBuf::from(bare.filter(|_| !PathBuf::from(text).exists()).unwrap_or(text))
 }
 
 /// The buttons that open, reload and save, and the menu of scenes. Returns the one chosen there.

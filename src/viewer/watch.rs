@@ -22,13 +22,17 @@ impl Stamp {
         let state = fs::metadata(path).and_then(|m| Ok((m.modified()?, m.len()))).ok();
         Stamp { path: path.to_path_buf(), state }
     }
+
+    pub(super) fn is_of(&self, path: &Path) -> bool {
+        self.path == path
+    }
 }
 
 /// A thread that looks at files until this is dropped.
 pub(super) struct Watch {
     changed: Receiver<()>,
-    /// The thread ends when its other end finds that this is gone.
-    _stop: Sender<()>,
+    /// More files for the thread, which ends when its other end finds that this is gone.
+    more: Sender<Vec<Stamp>>,
 }
 
 impl Watch {
@@ -39,17 +43,23 @@ impl Watch {
             return None;
         }
         let (tell, changed) = channel();
-        let (_stop, stop) = channel();
+        let (more, added) = channel();
         let ctx = ctx.clone();
         let look = move || {
-            look_after(known, &stop, || {
+            look_after(known, &added, || {
                 let heard = tell.send(()).is_ok();
                 ctx.request_repaint();
                 heard
             });
         };
         std::thread::Builder::new().name("watch".to_owned()).spawn(look).ok()?;
-        Some(Watch { changed, _stop })
+        Some(Watch { changed, more })
+    }
+
+    /// Looks after these files, too. What is known of others stays.
+    pub(super) fn add(&self, files: Vec<Stamp>) {
+        // Without the thread nothing is looked after any more.
+        let _ = self.more.send(files);
     }
 
     /// Whether the files have changed since this was last asked.
@@ -58,11 +68,23 @@ impl Watch {
     }
 }
 
-/// Calls `tell` after each change, until it says that nobody listens, or the sender of `stop` is
+/// Calls `tell` after each change, until it says that nobody listens, or the sender of `added` is
 /// gone.
-fn look_after(mut known: Vec<Stamp>, stop: &Receiver<()>, tell: impl Fn() -> bool) {
+fn look_after(mut known: Vec<Stamp>, added: &Receiver<Vec<Stamp>>, tell: impl Fn() -> bool) {
     let mut before = Vec::new();
-    while stop.recv_timeout(PERIOD) == Err(RecvTimeoutError::Timeout) {
+    loop {
+        match added.recv_timeout(PERIOD) {
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return,
+            Ok(files) => {
+                for file in files {
+                    if !known.iter().any(|k| k.path == file.path) {
+                        known.push(file);
+                    }
+                }
+                continue;
+            }
+        }
         let now: Vec<Stamp> = known.iter().map(|s| Stamp::of(&s.path)).collect();
         if now != known && settled(&known, &before, &now) {
             known.clone_from(&now);
@@ -106,12 +128,33 @@ mod tests {
         let path = folder.path().join("a.scn");
         fs::write(&path, "one").unwrap();
         let known = vec![Stamp::of(&path)];
-        let (stopper, stop) = channel::<()>();
+        let (stopper, stop) = channel();
         let (tell, told) = channel();
         let thread = std::thread::spawn(move || look_after(known, &stop, || tell.send(()).is_ok()));
         fs::write(&path, "three").unwrap();
         told.recv_timeout(Duration::from_secs(60)).unwrap();
         drop(stopper);
+        thread.join().unwrap();
+        assert_eq!(told.try_iter().count(), 0);
+    }
+
+    #[test]
+    fn a_file_that_is_added_is_looked_after_and_one_that_is_known_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let [first, second] = ["a", "b"].map(|name| folder.path().join(name));
+        fs::write(&first, "one").unwrap();
+        let stale = Stamp { path: first.clone(), state: None };
+        let known = vec![Stamp::of(&first)];
+        let (more, added) = channel();
+        let (tell, told) = channel();
+        let thread =
+            std::thread::spawn(move || look_after(known, &added, || tell.send(()).is_ok()));
+        more.send(vec![stale, Stamp::of(&second)]).unwrap();
+        std::thread::sleep(4 * PERIOD);
+        assert_eq!(told.try_iter().count(), 0, "nothing has changed");
+        fs::write(&second, "here").unwrap();
+        told.recv_timeout(Duration::from_secs(60)).unwrap();
+        drop(more);
         thread.join().unwrap();
         assert_eq!(told.try_iter().count(), 0);
     }

@@ -268,6 +268,15 @@ fn a_broken_scene_is_code_1_with_file_and_line() {
     let output = run(&["render", &scene, "-o", &picture]);
     assert_eq!(code(&output), 1);
     assert!(err(&output).contains("broken.scn:3"), "{}", err(&output));
+    // Of several errors each has a line of its own.
+    fs::write(&scene, "screen 64 48\nlight 1 1\nsphere 0 0 0 banana\nbox 1\n").unwrap();
+    let text = err(&run(&["render", &scene, "-o", &picture]));
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines.len(), 3, "{text}");
+    for (line, number) in lines.iter().zip(2..) {
+        assert!(line.starts_with("burnish: "), "{text}");
+        assert!(line.contains(&format!("broken.scn:{number}: ")), "{text}");
+    }
 }
 
 #[test]

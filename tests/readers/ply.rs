@@ -48,6 +48,8 @@ impl Writer {
     value!(short, i16);
     value!(int, i32);
     value!(uint, u32);
+    value!(long, i64);
+    value!(ulong, u64);
     value!(float, f32);
     value!(double, f64);
     fn end(&mut self) {
@@ -232,17 +234,21 @@ fn each_error_says_what_was_expected() {
              `format binary_big_endian 1.0` in the PLY header",
         ),
         ("element vertex", "element point", " the PLY header declares no element `vertex`"),
-        ("element face", "element strip", " the PLY header declares no element `face`"),
+        (
+            "element face",
+            "element strip",
+            " the PLY header declares no element `face`, and no `tristrips`",
+        ),
         (
             "float z",
             "float w",
             " the PLY header must declare the vertex properties x, y and z as single numbers",
         ),
         (
-            "uchar int",
-            "uchar float",
-            " the PLY header must declare `property list uchar int vertex_indices`, or \
-             another list of whole numbers of that name, for the element `face`",
+            "list uchar int",
+            "int",
+            " the PLY header must declare `property list uchar int vertex_indices`, or another list \
+             of that name, for the element `face`",
         ),
         (
             "end_header",
@@ -257,8 +263,8 @@ fn each_error_says_what_was_expected() {
             " the PLY header announces 18446744073709551615 elements `vertex` of at least 6 bytes, \
                  but only 26 bytes follow: the file is cut short or its header wrong",
         ),
-        ("face 1", "face 2", " expected 2 elements `face`; the file ends after 1 among them"),
-        ("3 0 1 2\n", "", " expected 1 elements `face`; the file ends after 0 among them"),
+        ("face 1", "face 2", "13: expected 2 elements `face`; the file ends after 1 among them"),
+        ("3 0 1 2\n", "", "12: expected 1 elements `face`; the file ends after 0 among them"),
         ("0 1 0", "0 1", "12: expected the values of `x y z` of an element `vertex`, not `0 1`"),
         (
             "3 0 1 2",
@@ -266,7 +272,14 @@ fn each_error_says_what_was_expected() {
             "13: expected the values of `vertex_indices` of an element `face`, not `3 0 1 \
              two`",
         ),
-        ("3 0 1 2", "3 0 1 -2", "13: the vertex indices of a face must not be negative"),
+        (
+            "3 0 1 2",
+            "3 0 1 -2",
+            " nothing is left to show: 1 of 1 triangles are left out: 1 with an index that names no \
+             vertex",
+        ),
+        ("3 0 1 2", "3 0 1 0.5", "13: the vertex indices of a face must be whole numbers"),
+        ("3 0 1 2", "3 0 1 nan", "13: the vertex indices of a face must be whole numbers"),
         ("3 0 1 2", "0", " the file has no faces, so there is nothing to show"),
     ] {
         let bad = good.replacen(from, to, 1);
@@ -291,9 +304,11 @@ fn binary_files_that_end_early_or_lie() {
     let mut bad = pyramid(Order::Little, "int vertex_indices");
     let last = bad.len() - 1;
     bad[last] = 0xff;
+    let (builder, report) = ply(&bad).unwrap();
+    assert_eq!(builder.shapes(), 5);
     assert_eq!(
-        message(ply(&bad)),
-        "m.ply: face number 5: the vertex indices of a face must not be negative"
+        warnings(&report),
+        ["m.ply: 1 of 6 triangles are left out: 1 with an index that names no vertex"]
     );
     // Elements without properties take no bytes, so any count of them fits.
     for format in ["ascii", "binary_little_endian"] {
@@ -346,4 +361,367 @@ fn polygons_are_cut_by_their_shape() {
             }
         }
     }
+}
+
+const ORDERS: [Order; 3] = [Order::Ascii, Order::Little, Order::Big];
+
+/// Kinds: CR alone, LF CR and blank lines in the header, in ASCII and in binary, whose first value
+/// may look like a line end; keywords and names in capitals.
+#[test]
+fn headers_end_their_lines_in_any_way_and_shout() {
+    let expected = ply(&pyramid(Order::Ascii, "int vertex_indices")).unwrap().0.build();
+    for order in ORDERS {
+        let plain = pyramid(order, "int vertex_indices");
+        let at = plain.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
+        let (head, payload) = plain.split_at(at);
+        let head = String::from_utf8(head.to_vec()).unwrap();
+        for end in ["\n", "\r\n", "\r", "\n\r", "\r\r\n"] {
+            for shout in [false, true] {
+                let head = if shout { head.to_uppercase() } else { head.clone() };
+                let blank = head.replacen("\n", "\n\n", 1).replace("float64", "float64_t");
+                for head in [&head, &blank.replace("\nELEMENT", "\n\n \t\nELEMENT")] {
+                    let mut bytes = head.replace('\n', end).into_bytes();
+                    match order {
+                        Order::Ascii => {
+                            let text = String::from_utf8(payload.to_vec()).unwrap();
+                            bytes.extend(text.replace('\n', end).into_bytes());
+                        }
+                        _ => bytes.extend(payload),
+                    }
+                    let (builder, report) =
+                        ply(&bytes).unwrap_or_else(|e| panic!("{order:?} {end:?} {head}: {e}"));
+                    assert_eq!(warnings(&report), [""; 0]);
+                    assert!(same(&builder.build(), &expected), "{order:?} {end:?} {head}");
+                }
+            }
+        }
+    }
+    // Values that begin with what could be a part of a line's end.
+    for end in ["\n", "\r\n", "\r", "\n\r"] {
+        for first in [*b"\n\0\0\0", *b"\r\0\0\0", *b"\r\n\0\0", *b"\n\r\0\0", *b"\n\n\0\0"] {
+            let head = HEAD.replace("ascii", "binary_little_endian") + FACE;
+            let mut bytes = head.replace('\n', end).into_bytes();
+            bytes.extend(first);
+            for x in [0.0f32, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0] {
+                bytes.extend(x.to_le_bytes());
+            }
+            bytes.extend([3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0]);
+            let (builder, report) =
+                ply(&bytes).unwrap_or_else(|e| panic!("{end:?} {first:?}: {e}"));
+            assert_eq!((builder.shapes(), warnings(&report)), (1, vec![]), "{end:?} {first:?}");
+        }
+    }
+}
+
+#[test]
+fn the_line_of_an_error_counts_lines_however_they_end() {
+    let bad = format!("{HEAD}{FACE}0 0 0\n1 0 0\n0 x 0\n3 0 1 2\n");
+    for end in ["\n", "\r\n", "\r", "\n\r"] {
+        let text = message(ply(bad.replace('\n', end).as_bytes()));
+        assert!(text.starts_with("m.ply:12: "), "{end:?}: {text}");
+    }
+}
+
+/// Kind: what a header may hold that plays no part.
+#[test]
+fn comments_and_unused_properties_may_be_anything() {
+    let head = HEAD
+        .replace("ply\n", "ply\ncomment x\n")
+        .replace("element", "obj_info num_cols 512\nobj_info\ncomment\ncomment \n\nelement");
+    let face =
+        FACE.replace("end_header", "comment TextureFile a b.png\nCOMMENT caf\u{e9}\nend_header");
+    let extra = "property float quality-1\nproperty list uchar float caf\u{e9}.tags\n\
+                 property uchar red\nproperty uchar red\n";
+    let body = "0 0 0 1 2 9 9 1 1\n1 0 0 .5 0 300 1\n0 1 0 nan 1 x -1 0x1f\n3 0 1 2\n";
+    let (builder, report) = ply(format!("{head}{extra}{face}{body}").as_bytes()).unwrap();
+    assert_eq!(builder.shapes(), 1);
+    let told = |n, name, count| {
+        format!(
+            "m.ply:{n}: {count} values of `{name}` of the element `vertex`, on this line first, \
+             are not of the type that the header declares; they are not used"
+        )
+    };
+    assert_eq!(
+        warnings(&report),
+        [told(23, "red", 2), told(24, "caf\u{e9}.tags", 1), told(24, "red", 1)]
+    );
+    assert_eq!(report.notes[0], "m.ply: not used: quality-1, caf\u{e9}.tags, red, red");
+}
+
+/// Kind: values of unused properties that their type cannot hold.
+#[test]
+fn unused_values_out_of_range_are_told() {
+    for (kind, value, odd) in [
+        ("uchar", "-1", true),
+        ("uchar", "256", true),
+        ("uchar", "0.5", true),
+        ("char", "128", true),
+        ("ushort", "65536", true),
+        ("int", "2147483648", true),
+        ("int64", "9223372036854775807", false),
+        ("float", "1.#QNAN", false),
+        ("float", "red", true),
+        ("double", "-nan(ind)", false),
+    ] {
+        let head = format!("{HEAD}property {kind} red\n{FACE}");
+        let body = format!("0 0 0 {value}\n1 0 0 1\n0 1 0 {value}\n3 0 1 2\n");
+        let (builder, report) = ply(format!("{head}{body}").as_bytes()).unwrap();
+        assert_eq!(builder.shapes(), 1);
+        let text = "m.ply:11: 2 values of `red` of the element `vertex`, on this line first, are \
+                    not of the type that the header declares; they are not used";
+        let expected: &[&str] = if odd { &[text] } else { &[] };
+        assert_eq!(warnings(&report), expected, "{kind} {value}");
+    }
+    // What is used counts as it stands.
+    let head = HEAD.replace("float", "int") + &FACE.replace("uchar int", "uchar char");
+    let body = "0 0 0\n1.5 0 0\n0 3e9 0\n3.0 0 1.0 2\n";
+    let (builder, report) = ply(format!("{head}{body}").as_bytes()).unwrap();
+    assert_eq!(warnings(&report), [""; 0]);
+    let [triangle] = triangles(&builder.build())[..] else { panic!("one triangle") };
+    assert!((triangle[2].y - 3e9).abs() < 1e3, "{triangle:?}");
+}
+
+/// Kind: every spelling of what is no number.
+#[test]
+fn numbers_that_are_none_are_read_in_every_spelling() {
+    for token in [
+        "nan",
+        "-nan",
+        "NaN",
+        "-nan(ind)",
+        "nan(snan)",
+        "-1.#IND",
+        "1.#QNAN",
+        "1.#QNAN0",
+        "1.#INF",
+        "-1.#INF00",
+        "1.#SNAN",
+        "inf",
+        "-Infinity",
+        "INF",
+        "1e999",
+    ] {
+        let head = HEAD.to_owned() + "property float nx\nproperty float ny\nproperty float nz\n";
+        let body = format!("0 0 0 0 0 1\n1 0 0 0 {token} 1\n0 1 0 0 0 1\n3 0 1 2\n");
+        let (builder, report) = ply(format!("{head}{FACE}{body}").as_bytes()).unwrap();
+        assert_eq!((builder.shapes(), warnings(&report).len()), (1, 1), "{token}: {report:?}");
+        assert!(warnings(&report)[0].contains("the normal of 1 vertices"), "{token}");
+
+        let body = format!("0 0 0\n1 0 0\n0 1 0\n{token} 1 0\n3 0 1 2\n3 0 1 3\n");
+        let head = HEAD.replace("vertex 3", "vertex 4") + &FACE.replace("face 1", "face 2");
+        let (builder, report) = ply(format!("{head}{body}").as_bytes()).unwrap();
+        assert_eq!(builder.shapes(), 1, "{token}");
+        assert!(warnings(&report)[0].contains("1 with a vertex that is not finite"), "{token}");
+    }
+}
+
+/// Kinds: whole numbers of 64 bits, and lists of other numbers than small whole ones.
+#[test]
+fn numbers_of_every_type_are_read_in_every_place() {
+    let expected = ply(&pyramid(Order::Ascii, "int vertex_indices")).unwrap().0.build();
+    for order in ORDERS {
+        for length in ["uchar", "int", "uint64", "int64", "float", "double", "short"] {
+            for index in ["int64", "uint64", "float", "double", "uint", "char"] {
+                let mut w = Writer::new(
+                    order,
+                    &format!(
+                        "element face 5\nproperty uint64 flag\nproperty list {length} {index} \
+                         vertex_indices\nproperty list double int64 tags\nelement vertex 5\n\
+                         property double x\nproperty uint64 id\nproperty float y\n\
+                         property int64 z\n"
+                    ),
+                );
+                for face in [&[1, 2, 0][..], &[2, 3, 0], &[3, 4, 0], &[4, 1, 0], &[4, 3, 2, 1]] {
+                    w.ulong(u64::MAX);
+                    let n = face.len();
+                    match length {
+                        "uchar" => w.byte(n as u8),
+                        "int" => w.int(n as i32),
+                        "uint64" => w.ulong(n as u64),
+                        "int64" => w.long(n as i64),
+                        "float" => w.float(n as f32),
+                        "double" => w.double(n as f64),
+                        _ => w.short(n as i16),
+                    }
+                    for &i in face {
+                        match index {
+                            "int64" => w.long(i),
+                            "uint64" => w.ulong(i as u64),
+                            "float" => w.float(i as f32),
+                            "double" => w.double(i as f64),
+                            "uint" => w.uint(i as u32),
+                            _ => w.byte(i as u8),
+                        }
+                    }
+                    w.double(2.0);
+                    w.long(-1);
+                    w.long(i64::MIN);
+                    w.end();
+                }
+                for (x, y, z) in
+                    [(0.5, 0.25, 3), (-1.0, -1.0, 0), (1.0, -1.0, 0), (1.0, 1.0, 0), (-1.0, 1.0, 0)]
+                {
+                    w.double(x);
+                    w.ulong(7);
+                    w.float(y);
+                    w.long(z);
+                    w.end();
+                }
+                let (builder, report) =
+                    ply(&w.bytes).unwrap_or_else(|e| panic!("{order:?} {length} {index}: {e}"));
+                assert_eq!(warnings(&report), [""; 0]);
+                assert!(same(&builder.build(), &expected), "{order:?} {length} {index}");
+                // Cut anywhere, it is an error.
+                for cut in [1, 9, 50] {
+                    assert!(
+                        matches!(order, Order::Ascii)
+                            || ply(&w.bytes[..w.bytes.len() - cut]).is_err()
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Kind: elements wrapped over lines, or several on one.
+#[test]
+fn values_may_be_on_any_lines_if_all_are_used_up() {
+    let plain = format!("{HEAD}{FACE}0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    let expected = ply(plain.as_bytes()).unwrap().0.build();
+    for (body, line) in [
+        ("0 0 0\n1 0 0\n0 1 0\n3 0\n1 2\n", 13),
+        ("0\n0\n0\n1\n0\n0\n0\n1\n0\n3\n0\n1\n2\n", 10),
+        ("0 0 0 1 0 0 0 1 0 3 0 1 2", 10),
+        ("0 0 0 1\n0 0 0 .5e1\n0 3 0 1 2", 10),
+        ("0 0 0\n1 0 0\n0 1 0 3 0 1 2", 12),
+        ("0 0 0\r1 0\r\r0 0 1 0\r3 0 1 2", 11),
+    ] {
+        let (builder, report) = ply(format!("{HEAD}{FACE}{body}").as_bytes()).expect(body);
+        let [warning] = &warnings(&report)[..] else { panic!("{body}: {report:?}") };
+        assert!(warning.starts_with(&format!("m.ply:{line}: from here on")), "{body}: {warning}");
+        assert_eq!(builder.shapes(), 1);
+        assert!(body.contains(".5e1") || same(&builder.build(), &expected), "{body}");
+    }
+    // One too few or too many would shift what follows: that is no mesh.
+    for (body, line) in [
+        ("0 0 0\n1 0\n0 1 0\n3 0 1 2\n", 11),
+        ("0 0 0\n1 0 0\n0 1 0\n3 0 1\n", 13),
+        ("0 0 0\n1 0\n0 0 1 0\n3 0 1 2 7\n", 11),
+        ("0 0 0 1 0 0 0 1 0 3 0 1", 10),
+    ] {
+        let text = message(ply(format!("{HEAD}{FACE}{body}").as_bytes()));
+        assert!(text.starts_with(&format!("m.ply:{line}: expected")), "{body}: {text}");
+    }
+}
+
+/// Kind: strips of triangles, which -1 ends.
+#[test]
+fn strips_are_unrolled() {
+    let strip = |order: Order, kind: &str, name: &str, indices: &[i64], more: &str| {
+        let header = format!(
+            "element vertex 5\nproperty float x\nproperty float y\nproperty float z\n\
+             element {name} 1\nproperty list int {kind} vertex_indices\n{more}"
+        );
+        let mut w = Writer::new(order, &header);
+        for (x, y) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0), (0.0, 2.0)] {
+            w.float(x);
+            w.float(y);
+            w.float(0.0);
+            w.end();
+        }
+        w.int(indices.len() as i32);
+        for &i in indices {
+            match kind {
+                "uint" => w.uint(i as u32),
+                "short" => w.short(i as i16),
+                "uchar" => w.byte(i as u8),
+                "float" => w.float(i as f32),
+                "int64" => w.long(i),
+                _ => w.int(i as i32),
+            }
+        }
+        w.end();
+        w.bytes
+    };
+    let corners = |bytes: &[u8]| {
+        let (builder, report) = ply(bytes).unwrap();
+        let corners: Vec<[[i32; 2]; 3]> = triangles(&builder.build())
+            .iter()
+            .map(|t| t.map(|p| [p.x.round() as i32, p.y.round() as i32]))
+            .collect();
+        (corners, warnings(&report))
+    };
+    let [a, b, c, d, e] = [[0, 0], [1, 0], [0, 1], [1, 1], [0, 2]];
+    // Every other triangle is turned, so that all face one way.
+    let whole = vec![[a, b, c], [c, b, d], [c, d, e]];
+    for order in ORDERS {
+        for kind in ["int", "uint", "short", "uchar", "float", "int64"] {
+            for name in ["tristrips", "TriStrips", "tristrip"] {
+                let bytes = strip(order, kind, name, &[0, 1, 2, 3, 4, -1], "");
+                assert_eq!(corners(&bytes), (whole.clone(), vec![]), "{order:?} {kind} {name}");
+            }
+            // Each strip begins anew; a corner that comes twice is a way, not a triangle.
+            let bytes = strip(order, kind, "tristrips", &[0, 1, 2, -1, 1, 3, 2, -1, -1], "");
+            assert_eq!(corners(&bytes), (vec![[a, b, c], [b, d, c]], vec![]), "{order:?} {kind}");
+            let bytes = strip(order, kind, "tristrips", &[0, 1, 2, 2, 3, 3, 4], "");
+            assert_eq!(corners(&bytes).0.len(), 1);
+            let bytes = strip(order, kind, "tristrips", &[0, 1, 2, -1, 3, 4, -1, 1], "");
+            let told = "m.ply: 2 strips of fewer than three corners are left out".to_owned();
+            assert_eq!(corners(&bytes), (vec![[a, b, c]], vec![told]), "{order:?} {kind}");
+        }
+        // Beside faces, of which there may be none.
+        let more = "element face 0\nproperty list uchar int vertex_indices\n";
+        assert_eq!(corners(&strip(order, "int", "tristrips", &[0, 1, 2, 3, 4], more)).0, whole);
+    }
+    let text = message(ply(&strip(Order::Ascii, "int", "tristrips", &[0, 1, -1, 2, 3], "")));
+    assert_eq!(text, "m.ply: the file has no faces, so there is nothing to show");
+}
+
+/// Kind: geometry that is left out.
+#[test]
+fn geometry_that_is_left_out_is_a_warning() {
+    let body = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n0 1\n1 2\n";
+    for (element, warns) in [
+        ("edge 2\nproperty int vertex1\nproperty int vertex2", true),
+        ("Edge 2\nproperty int a\nproperty int b", true),
+        ("range_grid 2\nproperty list uchar int vertex_indices", true),
+        ("wire 2\nproperty int vertex_a\nproperty int b", true),
+        ("material 2\nproperty int ambient_red\nproperty int b", false),
+        ("multi_texture_face 2\nproperty uchar tx\nproperty list uchar float tex_coord", false),
+    ] {
+        let name = element.split(' ').next().unwrap().to_ascii_lowercase();
+        let body = if element.contains("list") {
+            body.replace("0 1\n1 2\n", "1 1 0\n1 1 0\n")
+        } else {
+            body.to_owned()
+        };
+        let body = if element.contains("vertex_indices") {
+            body.replace("1 1 0\n", "1 2\n")
+        } else {
+            body
+        };
+        let face = FACE.replace("end_header", &format!("element {element}\nend_header"));
+        let (builder, report) = ply(format!("{HEAD}{face}{body}").as_bytes()).expect(element);
+        assert_eq!(builder.shapes(), 1);
+        let text = format!(
+            "m.ply:9: 2 elements `{name}` are left out: of geometry only faces and tristrips are \
+             shown"
+        );
+        assert_eq!(warnings(&report), if warns { vec![text] } else { vec![] }, "{element}");
+        let noted = report.notes[0].contains(&format!("element {name}"));
+        assert_eq!(noted, !warns, "{element}: {:?}", report.notes);
+    }
+}
+
+/// Kind: only the first of several errors is told.
+#[test]
+fn all_errors_of_an_ascii_file_are_told() {
+    let head = HEAD.replace("vertex 3", "vertex 60");
+    let body = "0 0 0\n".repeat(10) + &"0 zero 0\n".repeat(50) + "3 0 1 0.5\n";
+    let error = ply(format!("{head}{FACE}{body}").as_bytes()).unwrap_err();
+    assert_eq!(error.place.line, Some(20));
+    let text = error.to_string();
+    assert_eq!(text.lines().count(), 21, "{text}");
+    assert!(text.lines().nth(19).unwrap().starts_with("m.ply:39: "), "{text}");
+    assert!(text.ends_with("\nm.ply: 31 further errors are not listed"), "{text}");
 }

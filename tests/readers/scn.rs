@@ -291,3 +291,95 @@ fn a_material_is_called_by_the_comment_right_above_it() {
     let names: Vec<&str> = builder.materials().iter().map(|m| m.name.as_str()).collect();
     assert_eq!(names, ["The lamp", "brdf, line 6", "Lacquer, dark"]);
 }
+
+/// Kind: a name in quotes, with blanks or without.
+#[test]
+fn a_quoted_name_is_the_name_between_the_quotes() {
+    let triangle: &[u8] = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let files = Memory(&[
+        ("t.obj", triangle),
+        ("my model.obj", triangle),
+        ("it's.obj", triangle),
+        ("m/t.obj", triangle),
+    ]);
+    for (line, warning) in [
+        ("mesh \"t.obj\" 0 0 0 1", None),
+        ("mesh 't.obj' 0 0 0 1 x 90", None),
+        ("mesh \u{201c}t.obj\u{201d} 0 0 0 1", None),
+        ("mesh  \"my model.obj\"\t0 0 0 1", None),
+        ("mesh 'my model.obj' 0 0 0 1", None),
+        ("mesh 'it's.obj' 0 0 0 1", None),
+        ("mesh \"it's.obj\" 0 0 0 1", None),
+        ("mesh m\\t.obj 0 0 0 1", None),
+        ("mesh \"m\\t.obj\" 0 0 0 1", None),
+        ("mesh \"t.obj 0 0 0 1", Some("`\"t.obj` is read as `t.obj`")),
+        ("mesh t.obj\" 0 0 0 1", Some("`t.obj\"` is read as `t.obj`")),
+    ] {
+        let scene = format!("{QUIET}{line}");
+        let (builder, report) =
+            read::read_scn(scene.as_bytes(), "s.scn".as_ref(), &files).expect(line);
+        assert_eq!(builder.shapes(), 2, "{line}");
+        let expected: Vec<String> = warning.iter().map(|w| format!("s.scn:6: mesh: {w}")).collect();
+        assert_eq!(warnings(&report), expected, "{line}");
+    }
+    let text = message(read::read_scn(b"mesh my model.obj 0 0 0 1", "s.scn".as_ref(), &files));
+    assert_eq!(
+        text,
+        "s.scn:1: mesh: expected a number for tx, not `model.obj`; a name with blanks stands in \
+         quotes"
+    );
+}
+
+/// Kind: advice that does not fit the file.
+#[test]
+fn advice_fits_the_file() {
+    const NOT: &str = "files of this kind are not read, only .scn, .obj and .ply";
+    for (name, advice) in [
+        ("a.fbx", "; a model can be converted: `assimp export a.fbx a.obj`"),
+        ("\"a b.fbx\"", "; a model can be converted: `assimp export 'a b.fbx' 'a b.obj'`"),
+        (
+            "\"it's.STL\"",
+            "; a model can be converted: `assimp export 'it'\\''s.STL' 'it'\\''s.obj'`",
+        ),
+        ("a.exr", "; this is a picture; `burnish info a.exr` tells what it is"),
+        ("a.JPG", "; this is a picture"),
+        ("a.mtl", "; this is a material library: open the .obj that names it"),
+        ("a.ply.gz", "; it is packed: unpack it first"),
+        ("a.txt", ""),
+    ] {
+        let (_, report) = scn(&format!("{QUIET}mesh {name} 0 0 0 1")).unwrap();
+        let name = name.trim_matches('"');
+        let expected = format!("s.scn:6: mesh: the shape {name} is left out: {NOT}{advice}");
+        assert_eq!(warnings(&report), [expected]);
+    }
+    // Nothing may be copied into a shell that is not the file's name.
+    let long = format!("{}.fbx", "x".repeat(100));
+    let (_, report) = scn(&format!("{QUIET}mesh {long} 0 0 0 1")).unwrap();
+    assert!(warnings(&report)[0].ends_with("a model can be converted by `assimp export`"));
+    for name in ["\"a.ply\"", "'a.obj'"] {
+        let text = message(read::open(name.as_ref()));
+        assert!(!text.contains("assimp") && text.contains("quote"), "{text}");
+    }
+}
+
+/// Kind: only the first of several errors is told.
+#[test]
+fn all_errors_of_a_scene_are_told() {
+    let files = Memory(&[("bad.ply", b"plx")]);
+    let scene = b"sphere 0 0 0\nscreen 4 3\nlight 1 -1 1\nmesh bad.ply 0 0 0 1\n\
+                  mesh bad.ply 1 0 0 1\nmesh none.obj 0 0 0 1\nbox 0 0 0 1 1 one\n";
+    let error = read::read_scn(scene, "s.scn".as_ref(), &files).unwrap_err();
+    assert_eq!((error.place.line, error.further.len()), (Some(1), 4));
+    let text = error.to_string();
+    let places: Vec<&str> = text.lines().map(|line| line.split(": ").next().unwrap()).collect();
+    // A model that cannot be read is told once, however often it is placed.
+    assert_eq!(places, ["s.scn:1", "s.scn:3", "bad.ply:1", "s.scn:6", "s.scn:7"], "{text}");
+
+    let text = message(scn(&"sphere 0 0 0\n".repeat(1000)));
+    assert_eq!(text.lines().count(), 21);
+    assert!(text.ends_with("\ns.scn: 980 further errors are not listed"), "{text}");
+    assert!(text.lines().nth(19).unwrap().starts_with("s.scn:20: "), "{text}");
+    assert_eq!(message(scn(&"sphere 0 0 0\n".repeat(20))).lines().count(), 20);
+    let text = message(scn(&"sphere 0 0 0\n".repeat(21)));
+    assert!(text.ends_with("\ns.scn: 1 further error is not listed"), "{text}");
+}

@@ -38,6 +38,12 @@ impl Disk {
         Disk { folder, listings: Arc::default() }
     }
 
+    /// Where a file of this name is looked for, in this order.
+    pub fn places(&self, name: &str) -> Vec<PathBuf> {
+        let wanted = path_of(name);
+        vec![self.folder.join(&wanted), wanted]
+    }
+
     /// The file of this name, whatever its capitals and those of its folders.
     fn in_any_case(&self, name: &Path) -> Option<PathBuf> {
         let mut found = self.folder.clone();
@@ -86,13 +92,11 @@ fn path_of(name: &str) -> PathBuf {
 
 impl Files for Disk {
     fn find(&self, name: &str) -> Result<(PathBuf, Cow<'_, [u8]>), Error> {
-        let wanted = path_of(name);
-        let candidates = [self.folder.join(&wanted), wanted.clone()];
-        let Some(path) = candidates.into_iter().find(|path| path.exists()) else {
+        let Some(path) = self.places(name).into_iter().find(|path| path.exists()) else {
             if let Some(bytes) = builtin::model(name) {
                 return Ok((PathBuf::from(name), Cow::Borrowed(bytes)));
             }
-            if let Some(path) = self.in_any_case(&wanted).filter(|path| path.is_file()) {
+            if let Some(path) = self.in_any_case(&path_of(name)).filter(|path| path.is_file()) {
                 let bytes = load(&path)?;
                 return Ok((path, Cow::Owned(bytes)));
             }

@@ -2,23 +2,96 @@
 
 use crate::scene::{Place, Report, Warning};
 use std::collections::HashMap;
+use std::fmt;
 use std::path::{Path, PathBuf};
-use thiserror::Error;
 
 /// Why a file could not be read: where, what was expected there, and what was found.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("{place}: {text}")]
+///
+/// A file with several errors is told of all of them, a line each when it is shown.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ReadError {
+    /// The file, and its line where one is to blame.
+    pub place: Place,
+    /// One sentence.
+    pub text: String,
+    /// What else is wrong, in the order of the lines, each a sentence about its place. Of very many
+    /// the last one says how many are not listed.
+    pub further: Vec<Fault>,
+}
+
+/// One of the further errors of a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fault {
     /// The file, and its line where one is to blame.
     pub place: Place,
     /// One sentence.
     pub text: String,
 }
 
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{}: {}", self.place, self.text)
+    }
+}
+
+impl fmt::Display for ReadError {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{}: {}", self.place, self.text)?;
+        self.further.iter().try_for_each(|fault| write!(f, "\n{fault}"))
+    }
+}
+
+impl std::error::Error for ReadError {}
+
 impl ReadError {
     /// About a file as a whole.
     pub(super) fn whole_file(file: &Path, text: String) -> ReadError {
-        ReadError { place: Place { file: file.to_owned(), line: None }, text }
+        let place = Place { file: file.to_owned(), line: None };
+        ReadError { place, text, further: Vec::new() }
+    }
+}
+
+/// So many errors of a file are listed.
+const MAX_ERRORS: usize = 20;
+
+/// The errors of one file, while its reader goes on to find the others.
+#[derive(Default)]
+pub(super) struct Errors {
+    found: Vec<ReadError>,
+    unlisted: usize,
+}
+
+impl Errors {
+    pub(super) fn add(&mut self, error: ReadError) {
+        if self.found.len() < MAX_ERRORS {
+            self.found.push(error);
+        } else {
+            self.unlisted += 1;
+        }
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.found.is_empty()
+    }
+
+    /// All of them as one error about this file; `Ok` if there are none.
+    pub(super) fn finish(self, log: &Log) -> Result<(), ReadError> {
+        let mut found = self.found.into_iter();
+        let Some(mut first) = found.next() else { return Ok(()) };
+        for ReadError { place, text, further } in found {
+            first.further.push(Fault { place, text });
+            first.further.extend(further);
+        }
+        // A model may have brought some of its own.
+        let most = MAX_ERRORS - 1;
+        let unlisted = self.unlisted + first.further.len().saturating_sub(most);
+        first.further.truncate(most);
+        if unlisted > 0 {
+            let plural = if unlisted == 1 { "error is" } else { "errors are" };
+            let text = format!("{unlisted} further {plural} not listed");
+            first.further.push(Fault { place: log.place(None), text });
+        }
+        Err(first)
     }
 }
 
@@ -42,7 +115,7 @@ impl Log {
     }
 
     pub(super) fn error(&self, line: Option<usize>, text: impl Into<String>) -> ReadError {
-        ReadError { place: self.place(line), text: text.into() }
+        ReadError { place: self.place(line), text: text.into(), further: Vec::new() }
     }
 
     pub(super) fn warn(&mut self, line: Option<usize>, text: impl Into<String>) {

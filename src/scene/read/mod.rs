@@ -24,6 +24,7 @@
 //! # Ok::<(), read::ReadError>(())
 //! ```
 
+mod advice;
 mod files;
 mod log;
 mod obj;
@@ -33,7 +34,7 @@ mod scn;
 pub(super) mod text;
 
 pub use files::{Disk, Files, Memory};
-pub use log::ReadError;
+pub use log::{Fault, ReadError};
 pub use scn::{parse_camera, read_scn};
 
 use super::doubles::Origin;
@@ -48,13 +49,18 @@ use std::path::Path;
 /// A model alone is framed by the camera, 640 by 480 pixels; if nothing in it emits, a uniform
 /// white environment of radiance 1 lights it, and the report's notes say so.
 pub fn open(path: &Path) -> Result<(SceneBuilder, Report), ReadError> {
+    open_with(path, &Disk::beside(path))
+}
+
+/// The same, with other `files` than those on disk.
+pub fn open_with(path: &Path, files: &dyn Files) -> Result<(SceneBuilder, Report), ReadError> {
     let name = |text: String| ReadError::whole_file(path, text);
     if path.is_dir() {
         return Err(name("this is a directory; expected a .scn, .obj or .ply file".to_owned()));
     }
     Format::of(path).map_err(name)?;
     let bytes = files::load(path).map_err(|e| name(format!("cannot read the file: {e}")))?;
-    read(&bytes, path, &Disk::beside(path))
+    read(&bytes, path, files)
 }
 
 /// Like [`open`], from bytes: `name` tells the format and stands in messages, `files` brings the
@@ -87,12 +93,7 @@ impl Format {
             Some("scn") => Ok(Format::Scn),
             Some("obj") => Ok(Format::Obj),
             Some("ply") => Ok(Format::Ply),
-            Some(_) => Err(format!(
-                "files of this kind are not read, only .scn, .obj and .ply; a model can be \
-                 converted: `assimp export {} {}`",
-                text::shown(&path.to_string_lossy()),
-                text::shown(&path.with_extension("obj").to_string_lossy()),
-            )),
+            Some(ending) => Err(advice::on(path, ending)),
             None => Err("the name must end in .scn, .obj or .ply".to_owned()),
         }
     }

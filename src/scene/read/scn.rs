@@ -3,7 +3,7 @@
 mod args;
 
 use super::files::{Files, Recorder};
-use super::log::{Log, ReadError};
+use super::log::{Errors, Log, ReadError};
 use super::{Format, left_out, model, settle, text, title};
 use crate::scene::{
     Camera, MAX_COORDINATE, Material, MaterialError, MaterialId, Mesh, Report, SceneBuilder,
@@ -39,11 +39,19 @@ pub fn read_scn(
         last: HashMap::new(),
         lines: Vec::new(),
     };
+    // Errors do not end it: who mends a file wants to know all of them.
+    let mut errors = Errors::default();
     for (number, line) in text::lines(&text) {
         reader.line = number;
         reader.builder.line = Some(number);
-        reader.line(line)?;
+        match reader.line(line) {
+            Ok(()) => {}
+            Err(Problem::Here(text)) => errors.add(reader.log.error(Some(number), text)),
+            Err(Problem::Elsewhere(error)) => errors.add(error),
+            Err(Problem::Told) => {}
+        }
     }
+    errors.finish(&reader.log)?;
     let lines = std::mem::take(&mut reader.lines);
     let (mut builder, report) = reader.finish()?;
     builder.source = Source { text: Some(text.into_owned()), lines, ..record.finish() };
@@ -62,10 +70,11 @@ fn camera(args: &mut Args) -> Result<Camera, Problem> {
 pub fn parse_camera(text: &str) -> Result<Camera, String> {
     let arguments = text.trim_start();
     let arguments = arguments.strip_prefix("camera ").unwrap_or(arguments);
-    let mut args = Args::new("camera", CAMERA, arguments.split_whitespace());
+    let mut args = Args::new("camera", CAMERA, arguments);
     let camera = camera(&mut args).map_err(|problem| match problem {
         Problem::Here(text) => text,
         Problem::Elsewhere(error) => error.to_string(),
+        Problem::Told => String::new(),
     })?;
     match args.remarks().into_iter().next() {
         Some(remark) => Err(remark),
@@ -80,8 +89,8 @@ struct Reader<'a> {
     files: &'a dyn Files,
     line: usize,
     current: Current,
-    /// Every model is read once, however often it is placed.
-    models: HashMap<String, Rc<Mesh>>,
+    /// Every model is read once, however often it is placed; `None` for one that cannot be.
+    models: HashMap<String, Option<Rc<Mesh>>>,
     /// The last comment and its line: a material takes its name from the one right above it.
     comment: (usize, String),
     /// The line of each command's last occurrence.
@@ -146,28 +155,31 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn line(&mut self, line: &str) -> Result<(), ReadError> {
-        if let Some(comment) = line.trim_start().strip_prefix('#') {
+    fn line(&mut self, line: &str) -> Result<(), Problem> {
+        let line = line.trim();
+        if let Some(comment) = line.strip_prefix('#') {
             self.comment = (self.line, comment.trim().to_owned());
-        }
-        let mut tokens = line.split_whitespace();
-        let Some(word) = tokens.next().filter(|word| !word.starts_with('#')) else {
             return Ok(());
-        };
+        }
+        let (word, arguments) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        if word.is_empty() {
+            return Ok(());
+        }
         let Some((name, usage, run)) = Self::COMMANDS.into_iter().find(|c| c.0 == word) else {
             let text = format!("unknown command `{}`: the line is not used", text::shown(word));
             self.log.warn(Some(self.line), text);
             return Ok(());
         };
-        let mut args = Args::new(name, usage, tokens);
-        run(self, &mut args).map_err(|problem| match problem {
-            Problem::Here(text) => self.log.error(Some(self.line), format!("{name}: {text}")),
-            Problem::Elsewhere(error) => error,
+        let mut args = Args::new(name, usage, arguments);
+        let result = run(self, &mut args);
+        self.last.insert(name, self.line);
+        result.map_err(|problem| match problem {
+            Problem::Here(text) => Problem::Here(format!("{name}: {text}")),
+            elsewhere => elsewhere,
         })?;
         for text in args.remarks() {
             self.log.warn(Some(self.line), format!("{name}: {text}"));
         }
-        self.last.insert(name, self.line);
         Ok(())
     }
 
@@ -239,7 +251,13 @@ impl<'a> Reader<'a> {
 
     /// Places a model by T · S(s) · R.
     fn mesh(&mut self, args: &mut Args) -> Result<(), Problem> {
-        let file = args.word()?;
+        let file = args.file_name()?;
+        if let Some(word) = args.peek().filter(|word| text::leading_number(word).is_none()) {
+            return Err(Problem::Here(format!(
+                "expected a number for tx, not `{}`; a name with blanks stands in quotes",
+                text::shown(word)
+            )));
+        }
         let (shift, [scale]) = (args.point()?, args.numbers()?);
         let turn = args.orientation()?;
         if shift.abs().max_element() > MAX_COORDINATE {
@@ -294,21 +312,28 @@ impl<'a> Reader<'a> {
         })
     }
 
+    /// The model of that name. One that cannot be read is told of once.
     fn model(&mut self, file: &str, format: Format) -> Result<Rc<Mesh>, Problem> {
-        if let Some(mesh) = self.models.get(file) {
-            return Ok(Rc::clone(mesh));
+        if let Some(known) = self.models.get(file) {
+            return known.as_ref().map(Rc::clone).ok_or(Problem::Told);
         }
-        let (path, bytes) = self.files.find(file).map_err(|e| {
+        let read = self.read_model(file, format).map(Rc::new);
+        self.models.insert(file.to_owned(), read.as_ref().ok().map(Rc::clone));
+        read
+    }
+
+    fn read_model(&mut self, file: &str, format: Format) -> Result<Mesh, Problem> {
+        // A path as Windows has it.
+        let slashes = || self.files.find(&file.replace('\\', "/"));
+        let found = self.files.find(file).or_else(|e| slashes().map_err(|_| e));
+        let (path, bytes) = found.map_err(|e| {
             Problem::Here(format!("cannot read the model {}: {e}", text::shown(file)))
         })?;
         let user = self.log.error(Some(self.line), "").place;
-        let mesh = self.log.within(path, |log| model(format, &bytes, log)).map_err(|mut e| {
+        self.log.within(path, |log| model(format, &bytes, log)).map_err(|mut e| {
             e.text = format!("{} (a model of {user})", e.text);
             Problem::Elsewhere(e)
-        })?;
-        let mesh = Rc::new(mesh);
-        self.models.insert(file.to_owned(), Rc::clone(&mesh));
-        Ok(mesh)
+        })
     }
 
     fn finish(mut self) -> Result<(SceneBuilder, Report), ReadError> {

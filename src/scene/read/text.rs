@@ -88,12 +88,34 @@ pub(super) fn readable(name: &str) -> String {
     text
 }
 
-/// The lines with their numbers from 1, whether they end in LF, CR LF or CR.
-pub(in crate::scene) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
-    text.split('\n')
-        .flat_map(|line| line.strip_suffix('\r').unwrap_or(line).split('\r'))
-        .enumerate()
-        .map(|(i, line)| (i + 1, line))
+/// The lines with their numbers from 1, whether they end in LF, CR LF, CR or LF CR.
+pub(in crate::scene) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> + Clone {
+    let mut rest = Some(text);
+    let next = move || {
+        let line = rest?;
+        let Some(end) = line.bytes().position(|b| matches!(b, b'\n' | b'\r')) else {
+            rest = None;
+            return Some(line);
+        };
+        let (line, after) = line.split_at(end);
+        rest = after.get(line_end(after.as_bytes())..);
+        Some(line)
+    };
+    std::iter::from_fn(next).enumerate().map(|(i, line)| (i + 1, line))
+}
+
+/// The length of the line end with which these bytes begin.
+pub(super) fn line_end(bytes: &[u8]) -> usize {
+    match bytes {
+        [b'\r', b'\n', ..] => 2,
+        [b'\n', b'\r', ..] => {
+            // LF CR, unless this is the end of one line and a blank one that ends in CR LF: then
+            // the run is odd. It need not be looked at for ever.
+            let run = bytes.iter().take(64).take_while(|b| matches!(b, b'\n' | b'\r')).count();
+            2 - run % 2
+        }
+        _ => 1,
+    }
 }
 
 /// A piece of the file for a message: short, and without characters that steer a terminal.
@@ -288,6 +310,10 @@ mod tests {
     fn all_line_ends_count_alike() {
         let found: Vec<_> = lines("a\nb\r\nc\rd\n\ne").collect();
         assert_eq!(found, [(1, "a"), (2, "b"), (3, "c"), (4, "d"), (5, ""), (6, "e")]);
+        let found: Vec<_> = lines("a\n\rb\n\r\n\rc\n\r").collect();
+        assert_eq!(found, [(1, "a"), (2, "b"), (3, ""), (4, "c"), (5, "")]);
+        let found: Vec<_> = lines("a\n\r\nb\r\n\r\nc").collect();
+        assert_eq!(found, [(1, "a"), (2, ""), (3, "b"), (4, ""), (5, "c")]);
     }
 
     #[test]

@@ -11,6 +11,7 @@ mod names;
 mod open;
 mod picture;
 mod proofs;
+mod reload;
 mod settings;
 mod tracing;
 

@@ -3,7 +3,6 @@
 use crate::scene::read::ReadError;
 use crate::scene::read::text::{leading_number, shown};
 use glam::{DQuat, DVec3};
-use std::iter::Peekable;
 use std::str::SplitWhitespace;
 
 /// Why a command cannot be carried out.
@@ -12,6 +11,8 @@ pub(super) enum Problem {
     Here(String),
     /// A file that it names is.
     Elsewhere(ReadError),
+    /// The same that an earlier line has told already.
+    Told,
 }
 
 /// A squared length so near 1 is that of a unit vector, rounded.
@@ -29,29 +30,55 @@ pub(super) struct Args<'a> {
     usage: &'static str,
     /// What each argument is called, in the order of the usage.
     names: SplitWhitespace<'static>,
-    tokens: Peekable<SplitWhitespace<'a>>,
+    /// The arguments that nothing has taken yet.
+    rest: &'a str,
     remarks: Vec<String>,
 }
 
+/// What people and word processors put around a name.
+const QUOTES: [(char, char); 4] =
+    [('"', '"'), ('\'', '\''), ('\u{201c}', '\u{201d}'), ('\u{2018}', '\u{2019}')];
+
 impl<'a> Args<'a> {
-    pub(super) fn new(
-        command: &'static str,
-        usage: &'static str,
-        tokens: SplitWhitespace<'a>,
-    ) -> Args<'a> {
+    pub(super) fn new(command: &'static str, usage: &'static str, arguments: &'a str) -> Args<'a> {
         let names = usage.split_whitespace();
-        Args { command, usage, names, tokens: tokens.peekable(), remarks: Vec::new() }
+        Args { command, usage, names, rest: arguments, remarks: Vec::new() }
     }
 
     /// True when arguments are left.
-    pub(super) fn more(&mut self) -> bool {
-        self.tokens.peek().is_some()
+    pub(super) fn more(&self) -> bool {
+        self.peek().is_some()
     }
 
-    /// The next argument, a word.
-    pub(super) fn word(&mut self) -> Result<&'a str, Problem> {
+    /// The next argument, which stays.
+    pub(super) fn peek(&self) -> Option<&'a str> {
+        self.rest.split_whitespace().next()
+    }
+
+    /// The next argument, a name: a word, or what stands between quotes, blanks and all.
+    pub(super) fn file_name(&mut self) -> Result<&'a str, Problem> {
         let name = self.name();
-        self.token(name)
+        let rest = self.rest.trim_start();
+        for (open, close) in QUOTES {
+            let Some(inner) = rest.strip_prefix(open) else { continue };
+            // Within a name a quote may be an apostrophe: the last one ends a word.
+            let ends = inner.match_indices(close).map(|(at, mark)| (at, at + mark.len()));
+            let mut ends = ends.filter(|&(_, after)| {
+                inner
+                    .get(after..)
+                    .is_some_and(|s| s.is_empty() || s.starts_with(char::is_whitespace))
+            });
+            if let Some((end, after)) = ends.next() {
+                self.rest = inner.get(after..).unwrap_or_default();
+                return Ok(inner.get(..end).unwrap_or_default());
+            }
+        }
+        let word = self.token(name)?;
+        let bare = word.trim_matches('"');
+        if bare != word {
+            self.remarks.push(format!("`{}` is read as `{}`", shown(word), shown(bare)));
+        }
+        Ok(bare)
     }
 
     /// The next arguments, numbers.
@@ -72,7 +99,8 @@ impl<'a> Args<'a> {
     /// The rotations that follow, multiplied from left to right: the last acts first.
     pub(super) fn orientation(&mut self) -> Result<DQuat, Problem> {
         let mut total = DQuat::IDENTITY;
-        while let Some(kind) = self.tokens.next_if(|t| ["x", "y", "z", "q", "a"].contains(t)) {
+        while let Some(kind) = self.peek().filter(|t| ["x", "y", "z", "q", "a"].contains(t)) {
+            self.next();
             total *= match kind {
                 "x" => DQuat::from_rotation_x(self.angle()?),
                 "y" => DQuat::from_rotation_y(self.angle()?),
@@ -94,7 +122,7 @@ impl<'a> Args<'a> {
 
     /// What is odd about the arguments, those included that no one took.
     pub(super) fn remarks(mut self) -> Vec<String> {
-        if let Some(extra) = self.tokens.peek() {
+        if let Some(extra) = self.peek() {
             self.remarks.push(format!(
                 "`{}` and what follows is not used; expected `{} {}`",
                 shown(extra),
@@ -109,8 +137,17 @@ impl<'a> Args<'a> {
         self.names.next().unwrap_or("argument").trim_matches(['[', ']'])
     }
 
+    /// Takes the next argument off.
+    fn next(&mut self) -> Option<&'a str> {
+        let rest = self.rest.trim_start();
+        let end = rest.find(char::is_whitespace).unwrap_or(rest.len());
+        let (word, after) = rest.split_at(end);
+        self.rest = after;
+        (!word.is_empty()).then_some(word)
+    }
+
     fn token(&mut self, name: &str) -> Result<&'a str, Problem> {
-        self.tokens.next().ok_or_else(|| {
+        self.next().ok_or_else(|| {
             let (command, usage) = (self.command, self.usage);
             Problem::Here(format!("{name} is missing; expected `{command} {usage}`"))
         })

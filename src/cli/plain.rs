@@ -1,0 +1,45 @@
+//! Text that may come from anyone, made safe for a terminal.
+
+/// One line: nothing in it moves the cursor, recolours the screen or turns the order of letters.
+pub(super) fn line(text: &str) -> String {
+    escaped(text, |_| false)
+}
+
+/// Lines: the same but for tabs and line ends.
+pub(super) fn lines(text: &str) -> String {
+    escaped(text, |c| matches!(c, '\n' | '\t'))
+}
+
+/// As JSON writes it, so that JSON stays what it says.
+fn escaped(text: &str, keep: fn(char) -> bool) -> String {
+    let mut safe = String::with_capacity(text.len());
+    for c in text.chars() {
+        if steers(c) && !keep(c) {
+            safe.push_str(&format!("\\u{:04x}", u32::from(c)));
+        } else {
+            safe.push(c);
+        }
+    }
+    safe
+}
+
+/// Control characters, those of 0x80 to 0x9f included, and marks that turn the order of letters.
+fn steers(c: char) -> bool {
+    c.is_control()
+        || matches!(c, '\u{200e}' | '\u{200f}' | '\u{061c}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{2028}' | '\u{2029}')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_steers_a_terminal_is_written_out() {
+        assert_eq!(
+            line("a\u{1b}[2J\r\u{9b}5m\u{202e}b\n"),
+            "a\\u001b[2J\\u000d\\u009b5m\\u202eb\\u000a"
+        );
+        assert_eq!(lines("a\tb\n\u{7}"), "a\tb\n\\u0007");
+        assert_eq!(line("W\u{fc}rfel \u{7acb}\u{65b9} %\\"), "W\u{fc}rfel \u{7acb}\u{65b9} %\\");
+    }
+}
