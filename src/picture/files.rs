@@ -198,7 +198,7 @@ pub fn contents(path: &Path) -> Result<String, ReadError> {
         Format::Exr => {
             let headers = headers(file).map_err(content)?;
             let size = headers.first().map(|h| h.shared_attributes.display_window.size);
-            let size = size.map_or_else(Vec2::default, |size| size);
+            let size = size.unwrap_or_else(Vec2::default);
             let has = exr_file::contents(&headers);
             Ok(format!("{}x{} pixels, {has}", size.width(), size.height()))
         }

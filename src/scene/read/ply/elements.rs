@@ -98,7 +98,7 @@ fn indices(value: Property) -> Option<Vec<u32>> {
     let signed = |x: i64| u32::try_from(x).unwrap_or(NO_VERTEX);
     let real = |x: f64| {
         let within = (0.0..=f64::from(u32::MAX)).contains(&x);
-        (x.fract() == 0.0).then(|| if within { x as u32 } else { NO_VERTEX })
+        (x.fract() == 0.0).then_some(if within { x as u32 } else { NO_VERTEX })
     };
     match value {
         Property::ListChar(list) => Some(list.into_iter().map(|x| signed(x.into())).collect()),

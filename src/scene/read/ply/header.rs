@@ -159,7 +159,7 @@ pub(super) fn read<'a>(bytes: &'a [u8], log: &Log) -> Result<(Header, &'a [u8]),
         };
         if declared.is_none() {
             let number = lines.number;
-            if !std::iter::from_fn(|| lines.next()).any(|line| is_end(line)) {
+            if !std::iter::from_fn(|| lines.next()).any(is_end) {
                 break;
             }
             let text = format!(
@@ -203,11 +203,11 @@ fn element(words: &[&str], line: usize) -> Option<Element> {
 }
 
 fn property(words: &[&str]) -> Option<Declared> {
-    let (kind, name) = match words {
-        &[_, list, length, item, name] if list.eq_ignore_ascii_case("list") => {
+    let (kind, name) = match *words {
+        [_, list, length, item, name] if list.eq_ignore_ascii_case("list") => {
             (Kind::List(Number::of(length)?, Number::of(item)?), name)
         }
-        &[_, kind, name] => (Kind::Scalar(Number::of(kind)?), name),
+        [_, kind, name] => (Kind::Scalar(Number::of(kind)?), name),
         _ => return None,
     };
     Some(Declared { name: name.to_owned(), kind, used: None })
