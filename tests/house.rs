@@ -17,12 +17,13 @@ const MAY_KNOW: [(&str, &[&str]); 9] = [
 ];
 
 /// Foreign names with the only places that may use them.
-const ONE_PLACE: [(&str, &[&str]); 23] = [
+const ONE_PLACE: [(&str, &[&str]); 24] = [
     ("obvhs", &["src/geometry/bvh.rs", "src/geometry/treelets.rs", "src/geometry/widen.rs"]),
     ("tobj", &["src/scene/read/"]),
     ("ply_rs_bw", &["src/scene/read/ply"]),
     ("earcut::", &["src/scene/read/polygon.rs"]),
     ("png::", &["src/picture/files.rs"]),
+    ("image::", &["src/picture/files.rs"]),
     ("exr::", &["src/picture/files.rs", "src/picture/exr_file.rs"]),
     ("sha2::", &["src/scene/read/files.rs"]),
     ("memmap2", &["src/geometry/pages.rs"]),

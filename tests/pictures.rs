@@ -671,3 +671,17 @@ fn damaged_exr_files_are_pictures_or_errors() {
     }
     assert!(pictures > 50 && errors > 50, "{pictures} pictures, {errors} errors");
 }
+
+/// A picture of another kind is called what it is, whatever its name.
+#[test]
+fn other_kinds_of_pictures_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let jpeg = [0xff, 0xd8, 0xff, 0xe0, 0, 16, b'J', b'F', b'I', b'F', 0, 1, 1, 0, 0, 1];
+    let png = [0x89, b'P', b'N', b'G', 13, 10, 26, 10, 0, 0, 0, 13, b'I', b'H', b'D', b'R'];
+    for (name, start) in [("JPG", jpeg), ("PNG", png)] {
+        let path = folder.path().join("other.exr");
+        std::fs::write(&path, start).unwrap();
+        let told = read_exr(&path).unwrap_err().to_string();
+        assert!(told.contains(&format!("this is a {name} file")), "{told}");
+    }
+}

@@ -6,7 +6,7 @@ use exr::meta::attribute::{AttributeValue, Text};
 use exr::meta::header::Header;
 use exr::prelude::{MetaData, SpecificChannels, Vec2, WritableImage};
 use std::fs::File;
-use std::io::{self, BufReader};
+use std::io::{self, BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -260,6 +260,13 @@ pub fn read_exr(path: &Path) -> Result<Picture, ReadError> {
 pub fn read_exr_part(path: &Path, part: Option<&str>) -> Result<ReadPicture, ReadError> {
     let file = open(path)?;
     let length = file.metadata().map_or(0, |about| about.len());
-    exr_file::read(BufReader::new(file), length, part)
-        .map_err(|reason| ReadError::Content { path: path.to_path_buf(), reason })
+    let content = |reason| ReadError::Content { path: path.to_path_buf(), reason };
+    let mut file = BufReader::new(file);
+    // What cannot be looked into now cannot be read below, and is told there.
+    let other = file.fill_buf().ok().and_then(|start| image::guess_format(start).ok());
+    if let Some(kind) = other.filter(|kind| *kind != image::ImageFormat::OpenExr) {
+        let ending = kind.extensions_str().first().unwrap_or(&"other").to_ascii_uppercase();
+        return Err(content(format!("this is a {ending} file, whatever its name")));
+    }
+    exr_file::read(file, length, part).map_err(content)
 }
