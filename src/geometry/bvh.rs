@@ -120,7 +120,7 @@ impl Bvh {
         bvh
     }
 
-    /// Looks for surfaces that coincide and has rays meet [those in front](coincident) from now on;
+    /// Looks for surfaces that coincide and has rays meet those in front from now on;
     /// `emits` tells of a material's index whether it does.
     pub fn settle_coincident(&mut self, geometry: &mut Geometry, emits: &dyn Fn(u32) -> bool) {
         self.coincident = coincident::find(self, geometry, emits);
