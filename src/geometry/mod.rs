@@ -4,7 +4,7 @@
 //! each shared vertex gets the same two numbers in every triangle that has it; the side of an edge
 //! is then decided exactly. A ray through an edge or vertex hits all triangles that share it, so no
 //! ray slips between them; of hits at the same distance the lowest primitive index wins. Surfaces
-//! that share an area have [a rule of their own](coincident).
+//! that share an area have a rule of their own: the emitter is in front, else the first.
 
 mod bvh;
 mod coincident;
