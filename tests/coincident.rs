@@ -10,22 +10,9 @@ use burnish::scene::{
     Camera, Coinciding, Material, MaterialId, Mesh, Report, Scene, SceneBuilder, Warning,
 };
 use burnish::trace::Group;
-use glam::{DAffine3, DQuat, DVec3};
-use std::f64::consts::TAU;
+use glam::{DAffine3, DVec3};
 use std::sync::Arc;
-use support::{Mean, Random};
-
-fn vector(r: &mut Random, size: f64) -> DVec3 {
-    DVec3::new(r.within(-size, size), r.within(-size, size), r.within(-size, size))
-}
-
-fn place(r: &mut Random) -> DAffine3 {
-    let axis = DVec3::from(r.direction());
-    let scale = 10f64.powf(r.within(-4.0, 4.0));
-    let offset = vector(r, 1.0) * scale * 10f64.powf(r.within(-2.0, 5.0));
-    let turn = DQuat::from_axis_angle(axis, r.within(0.0, TAU));
-    DAffine3::from_scale_rotation_translation(DVec3::splat(scale), turn, offset)
-}
+use support::{Mean, Random, place, vector};
 
 /// A rectangle at this height above the plane z = 0, with a random place for its diagonal's start.
 fn rectangle([x, y]: [[f64; 2]; 2], z: f64, turn: usize) -> Mesh {

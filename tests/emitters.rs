@@ -10,10 +10,10 @@ use burnish::math::lanes::Isa;
 use burnish::progressive::{Params, Strategy, render};
 use burnish::scene::{Camera, Material, MaterialId, Mesh, Scene, SceneBuilder};
 use burnish::trace::Group;
-use glam::{DAffine3, DMat3, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use support::{Random, ball};
+use support::{Random, ball, place, vector};
 
 const RADIANCE: f64 = 2.0;
 
@@ -29,19 +29,6 @@ const BODIES: [&str; 9] = [
     "smooth mesh",
     "mesh of parts",
 ];
-
-fn vector(r: &mut Random, size: f64) -> DVec3 {
-    DVec3::new(r.within(-size, size), r.within(-size, size), r.within(-size, size))
-}
-
-/// A rotation, a scale from 1e-4 to 1e4, and an offset of up to 1e5 times that.
-fn place(r: &mut Random) -> DAffine3 {
-    let axis = DVec3::from(r.direction());
-    let scale = 10f64.powf(r.within(-4.0, 4.0));
-    let offset = vector(r, 1.0) * scale * 10f64.powf(r.within(-2.0, 5.0));
-    let turn = DQuat::from_axis_angle(axis, r.within(0.0, TAU));
-    DAffine3::from_scale_rotation_translation(DVec3::splat(scale), turn, offset)
-}
 
 fn mesh(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Mesh {
     Mesh { positions, triangles, ..Mesh::default() }

@@ -8,9 +8,8 @@ use burnish::progressive::{Params, render};
 use burnish::scene::{Camera, Material, Mesh, Scene, SceneBuilder, Smooth};
 use burnish::trace::Group;
 use glam::{DAffine3, DQuat, DVec3};
-use std::collections::HashMap;
 use std::sync::Arc;
-use support::{Mean, Random};
+use support::{Mean, Random, split};
 
 /// An icosahedron whose faces are split into four `levels` times, blown up to a ball.
 fn icosphere(levels: u32) -> Mesh {
@@ -33,21 +32,7 @@ fn icosphere(levels: u32) -> Mesh {
     }
     assert_eq!(triangles.len(), 20);
     positions.iter_mut().for_each(|p| *p = p.normalize());
-    for _ in 0..levels {
-        let mut middles = HashMap::new();
-        let mut finer = Vec::new();
-        for [a, b, c] in triangles {
-            let mut middle = |i: u32, j: u32| {
-                *middles.entry((i.min(j), i.max(j))).or_insert_with(|| {
-                    positions.push((positions[i as usize] + positions[j as usize]).normalize());
-                    positions.len() as u32 - 1
-                })
-            };
-            let (d, e, f) = (middle(a, b), middle(b, c), middle(c, a));
-            finer.extend([[a, d, f], [d, b, e], [f, e, c], [d, e, f]]);
-        }
-        triangles = finer;
-    }
+    split(&mut positions, &mut triangles, levels);
     let normals = positions.clone();
     Mesh { positions, normals, triangles, ..Mesh::default() }
 }

@@ -2,7 +2,7 @@
 #![allow(dead_code, missing_docs, unreachable_pub)] // each test file uses its own part
 
 use burnish::scene::Mesh;
-use glam::DVec3;
+use glam::{DAffine3, DQuat, DVec3};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
@@ -141,10 +141,16 @@ pub fn ball(levels: u32) -> Mesh {
             }
         }
     }
+    split(&mut positions, &mut triangles, levels);
+    Mesh { positions, triangles, ..Mesh::default() }
+}
+
+/// Splits each triangle of a unit sphere into four, `levels` times.
+pub fn split(positions: &mut Vec<DVec3>, triangles: &mut Vec<[u32; 3]>, levels: u32) {
     for _ in 0..levels {
         let mut middles = HashMap::new();
         let mut finer = Vec::new();
-        for [a, b, c] in triangles {
+        for &[a, b, c] in triangles.iter() {
             let mut middle = |i: u32, j: u32| {
                 *middles.entry((i.min(j), i.max(j))).or_insert_with(|| {
                     positions.push((positions[i as usize] + positions[j as usize]).normalize());
@@ -154,7 +160,20 @@ pub fn ball(levels: u32) -> Mesh {
             let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
             finer.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
         }
-        triangles = finer;
+        *triangles = finer;
     }
-    Mesh { positions, triangles, ..Mesh::default() }
+}
+
+/// Uniform in a cube of this half side around the origin.
+pub fn vector(r: &mut Random, size: f64) -> DVec3 {
+    DVec3::new(r.within(-size, size), r.within(-size, size), r.within(-size, size))
+}
+
+/// A rotation, a scale from 1e-4 to 1e4, and an offset of up to 1e5 times that.
+pub fn place(r: &mut Random) -> DAffine3 {
+    let axis = DVec3::from(r.direction());
+    let scale = 10f64.powf(r.within(-4.0, 4.0));
+    let offset = vector(r, 1.0) * scale * 10f64.powf(r.within(-2.0, 5.0));
+    let turn = DQuat::from_axis_angle(axis, r.within(0.0, TAU));
+    DAffine3::from_scale_rotation_translation(DVec3::splat(scale), turn, offset)
 }
