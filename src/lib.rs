@@ -54,9 +54,11 @@
 pub mod brdf;
 pub mod film;
 pub mod geometry;
+pub mod limits;
 pub mod math;
 pub mod measure;
 pub mod picture;
+pub mod plain;
 pub mod progressive;
 pub mod scene;
 pub mod trace;

@@ -1,11 +1,14 @@
 //! `burnish compare`: how far one picture is from another.
 
 use super::figures::significant;
+use super::outputs::{self, Failures};
 use super::{Failure, print, talk, values};
+use burnish::limits::fits;
 use burnish::measure::difference::{self, Difference};
 use burnish::measure::error::{ALL, MEAN_ERROR, Pair, REFERENCE_NOISE, Reference};
 use burnish::measure::flip::{self, Flip};
-use burnish::picture::{Curve, Picture, Tone, check_writable, read_exr_part, write};
+use burnish::picture::{Curve, Picture, Tone, read_exr_part, write};
+use burnish::plain;
 use std::path::{Path, PathBuf};
 
 /// Measures how far a picture is from a reference, each number with its formula.
@@ -46,36 +49,54 @@ pub(super) struct Args {
     tone: Curve,
 }
 
+/// Bytes a pixel that both pictures, their errors and both kinds of FLIP take at most; measured.
+const PIXEL: u64 = 120;
+
 /// Measures, prints and writes.
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    for path in args.output.iter().chain(&args.flip) {
-        check_writable(path).map_err(Failure::new)?;
-    }
+    let files = || args.output.iter().chain(&args.flip);
+    outputs::are_distinct(files());
+    outputs::are_no_inputs(files(), [args.picture.as_path(), &args.reference])?;
+    outputs::can_be_written(files())?;
     let part = args.part.as_deref();
     let picture = read(&args.picture, part, "--part")?;
+    let pixels = picture.pixels.len() as u64;
+    fits(pixels * PIXEL, || format!("to compare pictures of {}x{}", picture.width, picture.height))
+        .map_err(Failure::new)?;
     let part = args.reference_part.as_deref().or(part);
     let reference = Reference::known(read(&args.reference, part, "--reference-part")?);
     let pair = Pair::new(&picture, &reference).map_err(Failure::new)?;
     let tone = Tone { exposure: args.exposure, curve: args.tone };
     let seen = Flip::tone_mapped(&pair, tone);
     print_measures(args, &pair, &seen)?;
+    let mut failures = Failures::default();
+    failures.note(false_colours(args, &pair));
+    failures.note(seen_colours(args, seen));
+    failures.finish()
+}
+
+fn false_colours(args: &Args, pair: &Pair) -> Result<(), Failure> {
     if let Some(path) = &args.output {
-        let difference = Difference::new(&pair);
+        let difference = Difference::new(pair);
         let scale = args.scale.unwrap_or_else(|| difference.scale());
         save(path, &difference.false_colour(scale))?;
         print(format_args!(
             "{}: {}; blue -{end} or less, white 0, red +{end} or more, magenta undefined",
-            path.display(),
+            plain::path(path),
             difference::FORMULA,
             end = significant(scale.into(), 3)
         ))?;
     }
+    Ok(())
+}
+
+fn seen_colours(args: &Args, seen: Result<Flip, String>) -> Result<(), Failure> {
     if let Some(path) = &args.flip {
         let colours = seen.and_then(|flip| flip.false_colour()).map_err(Failure::new)?;
         save(path, &colours)?;
         print(format_args!(
             "{}: FLIP of every pixel; black 0, violet 0.3, orange 0.7, pale yellow 1",
-            path.display()
+            plain::path(path)
         ))?;
     }
     Ok(())
@@ -83,7 +104,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 
 fn print_measures(args: &Args, pair: &Pair, seen: &Result<Flip, String>) -> Result<(), Failure> {
     let Picture { width, height, .. } = pair.picture();
-    let (x, r) = (args.picture.display(), args.reference.display());
+    let (x, r) = (plain::path(&args.picture), plain::path(&args.reference));
     print(format_args!(
         "x = {x}, r = {r}, {width}x{height}; s = 0, for r's own noise is not known"
     ))?;
@@ -126,15 +147,15 @@ fn read(path: &Path, part: Option<&str>, option: &str) -> Result<Picture, Failur
         return Err(Failure::new(format_args!(
             "{}: only OpenEXR pictures (.exr) can be compared, which hold radiance; \
              `burnish render -o picture.exr` writes one",
-            path.display()
+            plain::path(path)
         )));
     }
     let read = read_exr_part(path, part).map_err(Failure::new)?;
     for remark in &read.remarks {
-        talk::note(format_args!("{}: {remark}", path.display()));
+        talk::note(format_args!("{}: {remark}", plain::path(path)));
     }
     if part.is_none() && read.choices > 1 {
-        talk::note(format_args!("{}: {option} NAME chooses another", path.display()));
+        talk::note(format_args!("{}: {option} NAME chooses another", plain::path(path)));
     }
     Ok(read.picture)
 }

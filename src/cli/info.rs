@@ -1,8 +1,9 @@
 //! `burnish info`: what a picture was made of, or what is in a scene.
 
-use super::{Failure, plain, print, scene, talk};
-use crate::shell::{line as line_of, quoted};
+use super::{Failure, print, scene, talk};
+use crate::shell::{file as file_of, line as line_of, quoted};
 use burnish::picture::{Format, contents as picture_contents, read_recipe_of};
+use burnish::plain;
 use burnish::progressive::{MaterialRecipe, Recipe};
 use burnish::scene::{Material, Report, Scene, SourceFile};
 use serde::Serialize;
@@ -40,7 +41,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if Format::of(path).is_ok() {
         picture(path, args)
     } else if args.scene || args.part.is_some() {
-        let (path, option) = (path.display(), if args.scene { "--scene" } else { "--part" });
+        let (path, option) = (plain::path(path), if args.scene { "--scene" } else { "--part" });
         Err(Failure::new(format_args!("{path}: {option} is about pictures: .png or .exr files")))
     } else {
         describe_scene(path, args.json)
@@ -48,7 +49,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 }
 
 fn picture(path: &Path, args: &Args) -> Result<(), Failure> {
-    let about = |e: &dyn Display| Failure::new(format_args!("{}: {e}", path.display()));
+    let about = |e: &dyn Display| Failure::new(format_args!("{}: {e}", plain::path(path)));
     let found = read_recipe_of(path, args.part.as_deref()).map_err(Failure::new)?;
     let found = found.ok_or_else(|| {
         let has = picture_contents(path).map_or(String::new(), |has| format!("; it has {has}"));
@@ -57,13 +58,13 @@ fn picture(path: &Path, args: &Args) -> Result<(), Failure> {
         ))
     })?;
     if let Some(part) = &found.part {
-        talk::note(format_args!("{}: this is about its part `{part}`", path.display()));
+        talk::note(format_args!("{}: this is about its part `{part}`", plain::path(path)));
     }
     let text = found.text;
+    let recipe = Recipe::parse(&text).map_err(|e| about(&e))?;
     if args.json {
         return print(text.trim_end());
     }
-    let recipe = Recipe::parse(&text).map_err(|e| about(&e))?;
     if args.scene {
         let text = recipe.scene_text().map_err(|e| about(&e))?;
         return print(text.replace("\r\n", "\n").replace('\r', "\n").trim_end());
@@ -188,14 +189,14 @@ fn again(path: &Path, recipe: &Recipe) -> String {
     let scene = if edited {
         "edited.scn".to_owned()
     } else {
-        recipe.scene.example.clone().or(own).unwrap_or_else(|| "SCENE".to_owned())
+        file_of(&recipe.scene.example.clone().or(own).unwrap_or_else(|| "SCENE".to_owned()))
     };
     let kind = path.extension().map_or("png".into(), |kind| kind.to_string_lossy().into_owned());
     let output = format!("again.{kind}");
     let words = ["burnish", "render", &scene, "-o", &output].map(str::to_owned);
     let command = line_of(words.into_iter().chain(recipe.arguments()));
     let first = if edited {
-        format!("burnish info {} --scene > edited.scn; ", quoted(&path.to_string_lossy()))
+        format!("burnish info {} --scene > edited.scn; ", quoted(&file_of(&path.to_string_lossy())))
     } else {
         String::new()
     };
@@ -224,7 +225,7 @@ struct Contents<'a> {
 
 fn describe_scene(path: &Path, json: bool) -> Result<(), Failure> {
     let (builder, mut report) = scene::read(Some(path))?;
-    let scene = builder.build();
+    let scene = builder.try_build().map_err(Failure::new)?;
     scene.report(&mut report);
     if json {
         let contents = contents(&scene, &report);

@@ -1,6 +1,7 @@
 //! Several pictures by one command: each scene with each model, and the files of each.
 
 use burnish::brdf::Model;
+use burnish::plain;
 use burnish::scene::builtin::EXAMPLES;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -26,7 +27,7 @@ impl Job {
     /// "table.scn, GGX"
     pub(super) fn title(&self) -> String {
         let scene = self.scene.as_deref().unwrap_or(Path::new(EXAMPLES[0].name));
-        format!("{}, {}", scene.display(), self.model.title())
+        format!("{}, {}", plain::path(scene), self.model.title())
     }
 }
 
@@ -92,7 +93,7 @@ fn twice(jobs: &[Job]) -> Option<String> {
     for job in jobs {
         for file in job.files() {
             if let Some(other) = first.insert(file, job) {
-                let file = file.display();
+                let file = plain::path(file);
                 return Some(if std::ptr::eq(other, job) {
                     format!("{file} is to be written twice")
                 } else {

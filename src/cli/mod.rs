@@ -11,8 +11,8 @@ mod figures;
 mod info;
 mod interrupt;
 mod jobs;
+mod outputs;
 mod pixel;
-mod plain;
 mod progress;
 mod render;
 mod report;
@@ -24,6 +24,7 @@ mod talk;
 mod values;
 mod window;
 
+use burnish::plain;
 use clap::{CommandFactory, Parser, Subcommand};
 use std::fmt::Display;
 use std::io::{self, Write};
@@ -31,15 +32,23 @@ use std::process::ExitCode;
 use std::time::Instant;
 use talk::{Volume, say};
 
+const EXAMPLES: &str = "Examples:
+  burnish                                   the built-in scene in the window
+  burnish table.scn                         a scene of yours
+  burnish render table.scn -o table.png     the same without a window
+  burnish help render                       all about a subcommand";
+
+/// What is refused for its size, in words.
+fn limits() -> String {
+    let row = |(what, how_much): (&str, String)| format!("\n  {what}: {how_much}");
+    format!("Limits:{}", burnish::limits::table().into_iter().map(row).collect::<String>())
+}
+
 /// Shows how Phong, Beckmann and GGX surfaces look, in a path-traced picture that gets better as
 /// you watch. Without a subcommand it opens the window.
 #[derive(Debug, Parser)]
 #[command(name = "burnish", version)]
-#[command(after_help = "Examples:
-  burnish                                   the built-in scene in the window
-  burnish table.scn                         a scene of yours
-  burnish render table.scn -o table.png     the same without a window
-  burnish help render                       all about a subcommand")]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", limits()))]
 struct Args {
     /// Says nothing but errors.
     #[arg(short, long, global = true, conflicts_with = "verbose")]

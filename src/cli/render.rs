@@ -1,6 +1,7 @@
 //! `burnish render`: a picture without a window.
 
 use super::jobs::{Job, jobs};
+use super::outputs::{self, Failures};
 use super::progress::{self, Goal, Progress};
 use super::scene::{self, Loaded};
 use super::settings::{Settings, warn};
@@ -11,14 +12,16 @@ use super::values::{self, Chosen};
 use super::{Failure, interrupt, misused};
 use burnish::brdf::{Erratum, Model};
 use burnish::measure::energy::remarks;
-use burnish::picture::{Curve, Picture, Tone, check_writable};
+use burnish::picture::{Curve, Picture, Tone};
+use burnish::plain;
 use burnish::progressive::{Options, Params, Recipe, Session, Snapshot, State, StopRule};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Renders a picture without a window.
 ///
-/// Ctrl-C ends it early and still writes what is done; a second one quits at once.
+/// Ctrl-C, SIGTERM and SIGHUP end it early and still write what is done; a second one quits at once.
+/// What cannot be written where it was wanted is kept in the temporary folder, and the error says where.
 #[derive(Debug, clap::Args)]
 #[command(allow_negative_numbers = true)]
 #[command(after_help = "Examples:
@@ -77,14 +80,17 @@ pub(super) fn run(args: &Args, mut started: Instant) -> Result<(), Failure> {
     let jobs = jobs(&args.scenes, &args.models.0, &args.outputs, args.stats.as_deref())
         .unwrap_or_else(|why| misused(why));
     // Known now, not after an hour.
-    for path in jobs.iter().flat_map(Job::files) {
-        check_writable(path).map_err(Failure::new)?;
-    }
+    outputs::are_distinct(jobs.iter().flat_map(Job::files));
+    let files = || jobs.iter().flat_map(Job::files);
+    outputs::are_no_inputs(files(), args.scenes.iter().map(PathBuf::as_path))?;
+    outputs::can_be_written(files())?;
     args.scenes.iter().try_for_each(|path| scene::exists(path))?;
     interrupt::listen()?;
     let mut done = 0;
     for jobs_of_scene in jobs.chunk_by(|a, b| a.scene == b.scene) {
         let loaded = scene::load_for(jobs_of_scene[0].scene.as_deref(), args.settings.isa)?;
+        let read = loaded.scene.source().files.iter().map(|file| file.path.as_path());
+        outputs::are_no_inputs(files(), read)?;
         for job in jobs_of_scene {
             done += 1;
             if jobs.len() > 1 {
@@ -115,14 +121,40 @@ fn render(args: &Args, job: &Job, loaded: &Loaded, started: Instant) -> Result<b
     let picture = traced.snapshot.mean();
     let tone = Tone { exposure: args.exposure, curve: args.tone };
     let recipe = Recipe::new(&params, &traced.snapshot);
+    let mut failures = Failures::default();
     for path in &job.outputs {
-        recipe.save(path, &picture, tone).map_err(Failure::new)?;
-        detail(format_args!("written: {}", path.display()));
+        match recipe.save(path, &picture, tone) {
+            Ok(()) => detail(format_args!("written: {}", plain::path(path))),
+            Err(e) => failures.add(format_args!("{e}; {}", rescue(path, &recipe, &picture, tone))),
+        }
     }
     if let Some(path) = &job.stats {
-        stats(&params, args.threads, loaded, &traced, &picture).write(path)?;
+        failures.note(stats(&params, args.threads, loaded, &traced, &picture).write(path));
     }
+    failures.finish()?;
     Ok(traced.interrupted)
+}
+
+/// Puts a picture that could not be written where it was wanted into the temporary folder, and says
+/// where or why not: what was rendered is not thrown away.
+fn rescue(path: &Path, recipe: &Recipe, picture: &Picture, tone: Tone) -> String {
+    let ending = path.extension().map_or("exr".into(), |ending| ending.to_string_lossy());
+    let place = tempfile::Builder::new()
+        .prefix("burnish-")
+        .suffix(&format!(".{ending}"))
+        .tempfile()
+        .and_then(|file| file.into_temp_path().keep().map_err(|e| e.error));
+    let kept = place.map_err(|e| e.to_string()).and_then(|place| {
+        recipe.save(&place, picture, tone).map(|()| place.clone()).map_err(|e| {
+            // It is empty.
+            let _ = std::fs::remove_file(&place);
+            e.to_string()
+        })
+    });
+    match kept {
+        Ok(place) => format!("the picture is kept as {}", plain::path(&place)),
+        Err(why) => format!("nor could it be kept in the temporary folder: {why}"),
+    }
 }
 
 /// What is about to be rendered.

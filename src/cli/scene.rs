@@ -30,7 +30,7 @@ pub(super) fn load_for(path: Option<&Path>, isa: Option<Isa>) -> Result<Loaded, 
     let (builder, mut report) = read(path)?;
     let load_s = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let mut scene = builder.build();
+    let mut scene = builder.try_build().map_err(Failure::new)?;
     let build_s = start.elapsed().as_secs_f64();
     scene.report(&mut report);
     for warning in &report.warnings {

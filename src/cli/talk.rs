@@ -3,8 +3,8 @@
 //! Colours are for terminals alone and never where NO_COLOR is set; `anstream`, which clap uses for
 //! its own messages, knows all the customs. What a progress bar draws is not coloured.
 
-use super::plain;
 use anstyle::{AnsiColor, Style};
+use burnish::plain;
 use std::fmt::Display;
 use std::io::Write;
 use std::sync::atomic::{AtomicU8, Ordering};

@@ -1,6 +1,7 @@
 //! No subcommand: the window.
 
 use super::{Failure, talk, values};
+use burnish::plain;
 use std::path::{Path, PathBuf};
 
 /// How the window opens; the default is that nothing was given.
@@ -39,7 +40,7 @@ pub(super) fn open(args: Args) -> Result<(), Failure> {
     if let Some(path) = args.scene.as_deref().filter(|path| !super::scene::is_there(path)) {
         return Err(Failure::new(format_args!(
             "{}: there is no such file, and no shipped scene of that name",
-            path.display()
+            plain::path(path)
         )));
     }
     let instead = headless(args.scene.as_deref());
@@ -74,6 +75,6 @@ fn run(_: Args) -> Result<Option<String>, String> {
 
 /// The command that does without.
 fn headless(scene: Option<&Path>) -> String {
-    let scene = scene.map(|path| format!("{} ", path.display())).unwrap_or_default();
+    let scene = scene.map(|path| format!("{} ", plain::path(path))).unwrap_or_default();
     format!("burnish render {scene}-o picture.png")
 }

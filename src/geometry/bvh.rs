@@ -1,8 +1,10 @@
-//! The tree: built by obvhs as a binary one, then widened to eight children a node.
+//! The tree: a binary one, [paired](super::pairing) and put in order by obvhs, then widened to eight
+//! children a node.
 
 use super::coincident::{self, Coincident};
 use super::extent::Extent;
 use super::pages::Pages;
+use super::pairing::{improve, pair_up};
 use super::plates::Plates;
 use super::treelets;
 use super::triangle::Pack;
@@ -11,11 +13,8 @@ use super::{Geometry, Kind};
 use crate::math::V3;
 use crate::math::lanes::Isa;
 use bytemuck::{Pod, Zeroable};
-use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
-use obvhs::bvh2::builder::build_bvh2;
 use rayon::prelude::*;
-use std::time::Duration;
 
 /// Bounds of eight children by component, and what they are.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -97,23 +96,15 @@ impl Bvh {
         if rest.is_empty() {
             return bvh;
         }
-        let boxes = |ids: &[u32]| -> Vec<Aabb> {
-            ids.par_iter().map(|&i| treelets::aabb(primitive_bounds(geometry, i))).collect()
-        };
-        let mut order = rest;
-        let mut bounds = boxes(&order);
-        if is_crowded(&bounds) {
-            order = without_order(order.len() as u32).map(|i| order[i as usize]).collect();
-            bounds = boxes(&order);
-        }
-        let settings = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::medium_build() };
-        let mut build_time = Duration::ZERO; // wanted by obvhs; we measure from outside
-        let mut binary = build_bvh2(&bounds, settings, &mut build_time);
+        let bounds: Vec<Aabb> =
+            rest.par_iter().map(|&i| treelets::aabb(primitive_bounds(geometry, i))).collect();
+        let mut binary = pair_up(&bounds);
         drop(bounds);
+        improve(&mut binary);
         let whole = binary.nodes[0].aabb();
         let corners = [whole.min, whole.max].map(|v| V3::new(v.x, v.y, v.z));
         bvh.extent = Extent::from_corners(corners);
-        binary.primitive_indices.par_iter_mut().for_each(|i| *i = order[*i as usize]);
+        binary.primitive_indices.par_iter_mut().for_each(|i| *i = rest[*i as usize]);
         let twigs = Twigs::new(geometry, &binary);
         drop(binary);
         twigs.widen(geometry, &mut bvh);
@@ -152,40 +143,6 @@ impl Bvh {
         let packs = self.packs.len() + self.large.len();
         self.nodes.len() * size_of::<Node>() + packs * size_of::<Pack>()
     }
-}
-
-/// Whether many boxes may have one centre, or nearly.
-fn is_crowded(bounds: &[Aabb]) -> bool {
-    const PLACES: usize = 1 << 16;
-    let mut crowd = vec![0u32; PLACES];
-    for bounds in bounds {
-        // To a millionth of the scene, into a place by chance.
-        let cell = ((bounds.min + bounds.max) * (1 << 19) as f32).as_ivec3();
-        let mixed = [cell.x, cell.y, cell.z].iter().fold(0u64, |mixed, &x| {
-            (mixed ^ u64::from(x as u32)).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
-        });
-        crowd[(mixed >> 48) as usize] += 1;
-    }
-    let fair = bounds.len() / PLACES;
-    crowd.iter().any(|&n| n as usize > 64 + 4 * fair)
-}
-
-/// All numbers below `n`, without the order in which a file lists its shapes.
-///
-/// The builder pairs neighbours along a curve through the boxes' centres, and where the centres are
-/// one point it takes them as they come. Shells that were listed from the innermost outwards would
-/// then be paired one at a time: minutes for a hundred thousand, and a tree as deep as a list.
-fn without_order(n: u32) -> impl IndexedParallelIterator<Item = u32> {
-    // By steps of nearly the golden section of n that have no divisor in common with it.
-    let divisor = |mut a: u32, mut b: u32| {
-        while b > 0 {
-            (a, b) = (b, a % b);
-        }
-        a
-    };
-    let golden = (f64::from(n) * 0.618_033_988_749_895) as u32;
-    let step = (golden.max(1)..).find(|&step| divisor(n, step) == 1).unwrap_or(1);
-    (0..n).into_par_iter().map(move |i| (u64::from(i) * u64::from(step) % u64::from(n)) as u32)
 }
 
 pub(super) fn primitive_bounds(geometry: &Geometry, primitive: u32) -> [V3; 2] {

@@ -12,6 +12,7 @@ mod cylinder;
 mod extent;
 mod offset;
 mod pages;
+mod pairing;
 mod plates;
 mod shading;
 mod shaft;

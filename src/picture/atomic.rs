@@ -1,8 +1,10 @@
 //! Files appear whole or not at all.
 
-use std::fs;
+use crate::plain;
+use std::fs::{self, File};
 use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 use tempfile::NamedTempFile;
 use thiserror::Error;
 
@@ -10,11 +12,11 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum SaveError {
     /// The name does not say what kind of picture is wanted.
-    #[error("{}: unknown kind of picture; end the name in {}", .0.display(), super::Format::NAMES)]
+    #[error("{}: unknown kind of picture; end the name in {}", plain::path(.0), super::Format::NAMES)]
     Format(PathBuf),
     /// The folder is missing, or nothing can be made in it.
     #[error("{}: cannot write in the folder {}: {source}; choose a folder that exists and that \
-             you may write to", .path.display(), .folder.display())]
+             you may write to", plain::path(.path), plain::path(.folder))]
     Folder {
         /// The file asked for.
         path: PathBuf,
@@ -24,14 +26,23 @@ pub enum SaveError {
         source: io::Error,
     },
     /// The path names a folder or a device.
-    #[error("{}: is not an ordinary file; give the name of a file", .0.display())]
+    #[error("{}: is not an ordinary file; give the name of a file", plain::path(.0))]
     NotAFile(PathBuf),
+    /// The path is a symbolic link to a place where nothing is.
+    #[error("{}: is a symbolic link to {}, which is not there; name that file, or remove the link",
+            plain::path(.path), plain::path(.to))]
+    Dangling {
+        /// The link.
+        path: PathBuf,
+        /// Where it leads.
+        to: PathBuf,
+    },
     /// The file is there and may not be written.
-    #[error("{}: is write-protected; remove the protection or choose another name", .0.display())]
+    #[error("{}: is write-protected; remove the protection or choose another name", plain::path(.0))]
     Protected(PathBuf),
     /// Writing failed on the way, such as on a full disk.
     #[error(
-        "{}: could not be written: {source}; what was there before is untouched", .path.display()
+        "{}: could not be written: {source}; what was there before is untouched", plain::path(.path)
     )]
     Write {
         /// The file asked for.
@@ -79,6 +90,9 @@ fn open_aside(path: &Path) -> Result<(PathBuf, NamedTempFile), SaveError> {
     // A rename would replace a symbolic link itself, not what it points to.
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
     let old = fs::metadata(&target).ok();
+    if let (None, Ok(to)) = (&old, fs::read_link(path)) {
+        return Err(SaveError::Dangling { path: path.to_path_buf(), to });
+    }
     match &old {
         Some(old) if !old.is_file() => return Err(SaveError::NotAFile(path.to_path_buf())),
         Some(old) if old.permissions().readonly() => {
@@ -91,11 +105,15 @@ fn open_aside(path: &Path) -> Result<(PathBuf, NamedTempFile), SaveError> {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
+    remove_leftovers(folder);
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".burnish-").suffix(".part");
+    builder.prefix(PREFIX).suffix(SUFFIX);
     make_public(&mut builder);
     let aside = builder.tempfile_in(folder).and_then(|aside| {
         old.map_or(Ok(()), |old| aside.as_file().set_permissions(old.permissions()))?;
+        // For as long as this process lives: others see by it that the file is in use. Some file
+        // systems have no locks, and do without.
+        let _ = aside.as_file().try_lock();
         Ok(aside)
     });
     match aside {
@@ -107,6 +125,32 @@ fn open_aside(path: &Path) -> Result<(PathBuf, NamedTempFile), SaveError> {
             source: e.kind().into(),
         }),
     }
+}
+
+/// What files are called that are being written.
+const PREFIX: &str = ".burnish-";
+const SUFFIX: &str = ".part";
+/// A file so young may be between its making and its lock.
+const YOUNG: Duration = Duration::from_secs(60);
+
+/// Removes what processes left that were killed while they wrote. A file that somebody still writes
+/// has a lock, which a process loses by its death; on file systems without locks nothing is removed.
+fn remove_leftovers(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let ours = name.to_str().is_some_and(|n| n.starts_with(PREFIX) && n.ends_with(SUFFIX));
+        if ours && is_left_over(&entry.path()) {
+            // Another process may have been faster.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+fn is_left_over(path: &Path) -> bool {
+    let age = |about: fs::Metadata| about.modified().ok()?.elapsed().ok();
+    let about = fs::symlink_metadata(path).ok().filter(fs::Metadata::is_file);
+    about.and_then(age).is_some_and(|age| age > YOUNG)
+        && File::open(path).is_ok_and(|file| file.try_lock().is_ok())
 }
 
 /// Temporary files are private by default; a picture is as public as the user's umask allows.

@@ -7,6 +7,7 @@
 
 use super::Picture;
 use super::primaries::{Primaries, REC_709};
+use crate::limits::{Bytes, EXR_EXPANSION, EXR_FREE_BYTES, PICTURE_SIDE, fits};
 use exr::block::UncompressedBlock;
 use exr::block::reader::{ChunksReader, Reader};
 use exr::meta::attribute::{ChannelList, SampleType};
@@ -16,11 +17,7 @@ use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 
 /// Largest width and height that is read: the largest that is rendered.
-pub(super) const LARGEST_SIDE: usize = 32_768;
-/// What any file may claim for the samples of a picture. Beyond it the file's length counts.
-const FREE_BYTES: u64 = 1 << 30;
-/// What no compressor of pictures exceeds by much: the most that Deflate makes of one byte.
-const EXPANSION: u64 = 1032;
+pub(super) const LARGEST_SIDE: usize = PICTURE_SIDE as usize;
 
 /// What was read and what is to be told about it.
 #[derive(Clone, Debug, PartialEq)]
@@ -267,16 +264,21 @@ fn check_size(header: &Header, length: u64) -> Result<(), String> {
         if width.max(height) > LARGEST_SIDE {
             return Err(format!("the header claims a {what} of {width}x{height} pixels"));
         }
-        bytes = bytes.max((width * height) as u64 * per_pixel);
+        bytes = bytes.max((width as u64 * height as u64).saturating_mul(per_pixel));
     }
-    if bytes > FREE_BYTES.max(length.saturating_mul(EXPANSION)) {
-        let (width, height) = (display.width(), display.height());
+    let (width, height) = (display.width(), display.height());
+    let most = EXR_FREE_BYTES.max(length.saturating_mul(EXR_EXPANSION));
+    if bytes > most {
         return Err(format!(
-            "the header claims {width}x{height} pixels of {bytes} bytes in all, which a file of \
-             {length} bytes cannot hold"
+            "the header claims {width}x{height} pixels with {} of samples, and of a file of {length} \
+             bytes no more than {} are taken",
+            Bytes(bytes),
+            Bytes(most)
         ));
     }
-    Ok(())
+    // The samples as they are packed and unpacked, and the picture made of them.
+    let what = || format!("a picture of {width}x{height} pixels");
+    fits(bytes.saturating_mul(2), what).map_err(|e| e.to_string())
 }
 
 fn primaries(header: &Header) -> Option<Primaries> {

@@ -2,6 +2,8 @@
 
 use super::exr_file::{self, LARGEST_SIDE, ReadPicture};
 use super::{Picture, SaveError, Sink, Tone, replace_file};
+use crate::limits::TEXT_BYTES;
+use crate::plain;
 use exr::meta::attribute::{AttributeValue, Text};
 use exr::meta::header::Header;
 use exr::prelude::{MetaData, SpecificChannels, Vec2, WritableImage};
@@ -38,7 +40,7 @@ impl Format {
 #[derive(Debug, Error)]
 pub enum ReadError {
     /// It is not there, or may not be read.
-    #[error("{}: cannot be opened: {source}", .path.display())]
+    #[error("{}: cannot be opened: {source}", plain::path(.path))]
     Open {
         /// The file.
         path: PathBuf,
@@ -48,7 +50,7 @@ pub enum ReadError {
     /// It is broken, too large, or something else altogether.
     #[error(
         "{}: {reason}; only OpenEXR pictures of up to {side} pixels a side are read",
-        .path.display(), side = LARGEST_SIDE
+        plain::path(.path), side = LARGEST_SIDE
     )]
     Content {
         /// The file.
@@ -57,7 +59,7 @@ pub enum ReadError {
         reason: String,
     },
     /// It is neither a PNG nor an OpenEXR file, or a broken one.
-    #[error("{}: {reason}; only .png and .exr files have recipes", .path.display())]
+    #[error("{}: {reason}; only .png and .exr files have recipes", plain::path(.path))]
     Recipe {
         /// The file.
         path: PathBuf,
@@ -191,7 +193,7 @@ pub fn contents(path: &Path) -> Result<String, ReadError> {
     let file = BufReader::new(open(path)?);
     match format {
         Format::Png => {
-            let reader = png::Decoder::new(file).read_info().map_err(|e| content(e.to_string()))?;
+            let reader = png_decoder(file).read_info().map_err(|e| content(e.to_string()))?;
             let png::Info { width, height, .. } = reader.info();
             Ok(format!("{width}x{height} pixels"))
         }
@@ -210,9 +212,18 @@ fn open(path: &Path) -> Result<File, ReadError> {
 }
 
 fn png_recipe(file: BufReader<File>) -> Result<Option<String>, png::DecodingError> {
-    let reader = png::Decoder::new(file).read_info()?;
+    let reader = png_decoder(file).read_info()?;
     let mut chunks = reader.info().utf8_text.iter();
-    chunks.find(|chunk| chunk.keyword == RECIPE).map(|chunk| chunk.get_text()).transpose()
+    let Some(chunk) = chunks.find(|chunk| chunk.keyword == RECIPE) else { return Ok(None) };
+    // A thousand times as long as it is packed, if it is made to be.
+    let mut chunk = chunk.clone();
+    chunk.decompress_text_with_limit(TEXT_BYTES)?;
+    chunk.get_text().map(Some)
+}
+
+/// A reader that takes no more memory for what stands beside the pixels than our own files need.
+fn png_decoder(file: BufReader<File>) -> png::Decoder<BufReader<File>> {
+    png::Decoder::new_with_limits(file, png::Limits { bytes: 4 * TEXT_BYTES })
 }
 
 fn headers(file: BufReader<File>) -> Result<Vec<Header>, String> {

@@ -2,6 +2,7 @@
 
 use super::pilot;
 use crate::brdf::{Erratum, Model, Normals, Roughness};
+use crate::limits::{PICTURE_SIDE, TooLarge, fits};
 use crate::math::sequence::REPLICATES;
 use crate::scene::{Camera, Material, Scene};
 use crate::trace::{Group, Method, Strategy, Tracer};
@@ -47,16 +48,9 @@ pub enum ParamsError {
     /// A side of no pixels or too many.
     #[error("the picture must be from 1x1 to {max}x{max} pixels, not {0}x{1}", max = Params::MAX_SIDE)]
     Size(u32, u32),
-    /// The sums would not fit into memory that could be had.
-    #[error("a picture of {width}x{height} pixels needs {gib:.1} GiB, which could not be had")]
-    Memory {
-        /// Width in pixels.
-        width: u32,
-        /// Height in pixels.
-        height: u32,
-        /// What the sums and the picture would take.
-        gib: f64,
-    },
+    /// There is no memory for the sums and the picture.
+    #[error(transparent)]
+    Memory(#[from] TooLarge),
     /// Another number of materials than the scene has.
     #[error("the scene has {expected} materials, not {found}")]
     Materials {
@@ -80,7 +74,7 @@ pub enum ParamsError {
 
 impl Params {
     /// Largest width and height.
-    pub const MAX_SIDE: u32 = 32_768;
+    pub const MAX_SIDE: u32 = PICTURE_SIDE;
 
     /// The scene as it is: its camera, its size, its materials, GGX, seed 0, no depth limit.
     pub fn new(scene: Arc<Scene>) -> Params {
@@ -149,13 +143,19 @@ impl Params {
         if self.max_depth == Some(0) {
             return Err(ParamsError::Depth);
         }
-        // Sums of all replicates, a pass's samples, and the mean and error shown: asked for now, not
-        // when tracing.
-        let pixel = size_of::<[[f64; 3]; REPLICATES]>() + 3 * size_of::<[f32; 3]>();
-        let bytes = w as usize * h as usize * pixel;
-        if Vec::<u8>::new().try_reserve_exact(bytes).is_err() {
-            let gib = bytes as f64 / (1u64 << 30) as f64;
-            return Err(ParamsError::Memory { width: w, height: h, gib });
+        Ok(())
+    }
+
+    /// Whether there is memory for the picture, where one of `held` pixels has its own already.
+    pub(super) fn fit(&self, held: [u32; 2]) -> Result<(), ParamsError> {
+        // Sums of all replicates, a pass's samples, the mean and error shown, and when it is written
+        // the whole mean and what becomes of it.
+        const PIXEL: u64 = (size_of::<[[f64; 3]; REPLICATES]>() + 5 * size_of::<[f32; 3]>()) as u64;
+        let pixels = |[w, h]: [u32; 2]| u64::from(w) * u64::from(h);
+        let need = pixels(self.size).saturating_sub(pixels(held)) * PIXEL;
+        let [w, h] = self.size;
+        if need > 0 {
+            fits(need, || format!("a picture of {w}x{h} pixels"))?;
         }
         Ok(())
     }

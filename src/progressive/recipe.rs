@@ -3,6 +3,8 @@
 //! Equal recipes make equal pixels: nothing is in a recipe that depends on the machine's speed, the
 //! hour or the number of threads, so files of equal pictures are equal too.
 
+mod possible;
+
 use super::{Params, Snapshot};
 use crate::brdf::{Erratum, Roughness};
 use crate::math::lanes::Isa;
@@ -174,6 +176,9 @@ pub enum RecipeError {
     /// The scene's text is not in it.
     #[error("the recipe holds no scene text: the scene was {0}")]
     NoText(&'static str),
+    /// It has a value that no render has.
+    #[error("the recipe has {0}: no burnish wrote it, or a newer one")]
+    Impossible(String),
     /// A material has numbers that none can have.
     #[error("the recipe has a material that cannot be: {0}")]
     Material(#[from] MaterialError),
@@ -233,7 +238,7 @@ impl Recipe {
         }
     }
 
-    /// From the text in a file.
+    /// From the text in a file. Values that no render can have are refused.
     pub fn parse(text: &str) -> Result<Recipe, RecipeError> {
         #[derive(Deserialize)]
         struct Version {
@@ -241,7 +246,13 @@ impl Recipe {
         }
         match serde_json::from_str(text)? {
             Version { recipe } if recipe > Self::VERSION => Err(RecipeError::Version(recipe)),
-            _ => Ok(serde_json::from_str(text)?),
+            _ => {
+                let recipe: Recipe = serde_json::from_str(text)?;
+                match recipe.impossible() {
+                    Some(what) => Err(RecipeError::Impossible(what)),
+                    None => Ok(recipe),
+                }
+            }
         }
     }
 

@@ -93,6 +93,7 @@ impl Session {
         notify: impl Fn() + Send + Sync + 'static,
     ) -> Result<Session, ParamsError> {
         params.check()?;
+        params.fit([0; 2])?;
         let (sender, snapshots) = bounded(1);
         let shared = Arc::new(Shared::new(params, limit, options.interval));
         let outlet = super::outlet::Outlet::new(sender, snapshots.clone(), Box::new(notify));
@@ -113,6 +114,7 @@ impl Session {
         if *wanted == params {
             return Ok(self.epoch());
         }
+        params.fit(wanted.size)?;
         *wanted = params;
         Ok(self.shared.next_epoch(wanted))
     }

@@ -6,6 +6,7 @@ use super::read::text::shown;
 use super::weld::weld;
 use super::{Camera, Light, Material, MaterialId, Placement, Scene, SceneCounts, Source};
 use crate::geometry::{Bvh, Cylinder, Face, Geometry, PrimitiveRange, Sphere, Vertex};
+use crate::limits::{TRIANGLES as MAX_TRIANGLES, TooLarge, fits};
 use crate::math::V3;
 use glam::{DAffine3, DVec3};
 use std::ops::Range;
@@ -80,11 +81,23 @@ pub enum ShapeError {
     /// More triangles than 32-bit indices can name.
     #[error("more than {0} triangles are not supported")]
     TooMany(usize),
+    /// More than there is memory for.
+    #[error(transparent)]
+    Memory(#[from] TooLarge),
 }
 
 /// Largest coordinate accepted, in world units.
 pub const MAX_COORDINATE: f64 = 1e18;
-const MAX_TRIANGLES: usize = 1 << 30;
+
+/// Triangles that are added before the system is asked again whether there is room.
+const ROOM: usize = 1 << 17;
+// Bytes that shapes take at most, measured on meshes of a million triangles: until the scene is
+// built, and while it is.
+const PLACED_TRIANGLE: u64 = 40;
+const PLACED_VERTEX: u64 = 72;
+const BUILT_TRIANGLE: u64 = 260;
+const BUILT_VERTEX: u64 = 36;
+const BUILT_QUADRIC: u64 = 640;
 
 /// Collects shapes in world space; [`SceneBuilder::build`] makes the scene of them.
 ///
@@ -128,6 +141,8 @@ pub struct SceneBuilder {
     duplicates: usize,
     /// Nothing was added since doubles were looked for.
     settled: bool,
+    /// There is memory for so many triangles.
+    roomy: usize,
 }
 
 /// What there is to tell about the shapes of a scene as a whole.
@@ -158,6 +173,7 @@ impl SceneBuilder {
             normal_counts: NormalCounts::default(),
             duplicates: 0,
             settled: false,
+            roomy: 0,
         }
     }
 
@@ -305,6 +321,12 @@ impl SceneBuilder {
         for (_, origin) in parts {
             self.known(origin.material)?;
         }
+        // Not for each of many small ones: it takes the system a while to tell.
+        let triangles = self.triangles.len() + mesh.triangles.len();
+        if triangles > self.roomy {
+            self.has_room(1, mesh)?;
+            self.roomy = triangles + ROOM;
+        }
         let mut placed: Vec<DVec3> =
             mesh.positions.iter().map(|&p| placement.transform_point3(p)).collect();
         let mut counts = MeshCounts::default();
@@ -350,6 +372,32 @@ impl SceneBuilder {
         let within = |r: Range<usize>| start + r.start..start + r.end;
         self.groups.extend(groups.into_iter().map(|(range, origin)| (within(range), origin)));
         Ok(counts)
+    }
+
+    /// Whether there is memory for a scene of what is there and so many times a mesh.
+    pub(super) fn has_room(&self, times: u64, mesh: &Mesh) -> Result<(), TooLarge> {
+        let new = |n: usize, each: u64| times.saturating_mul(n as u64).saturating_mul(each);
+        let held = PLACED_TRIANGLE + BUILT_TRIANGLE;
+        let need = new(mesh.triangles.len(), held)
+            .saturating_add(new(mesh.positions.len(), PLACED_VERTEX + BUILT_VERTEX))
+            .saturating_add(self.build_bytes());
+        fits(need, || "the scene".to_owned())
+    }
+
+    /// Bytes that [`SceneBuilder::build`] takes beside what is held already.
+    fn build_bytes(&self) -> u64 {
+        let quadrics = self.spheres.len() + self.cylinders.len();
+        self.triangles.len() as u64 * BUILT_TRIANGLE
+            + self.positions.len() as u64 * BUILT_VERTEX
+            + quadrics as u64 * BUILT_QUADRIC
+    }
+
+    /// [`SceneBuilder::build`] if there is the memory for it: refused before it is begun, with what
+    /// it would need.
+    pub fn try_build(self) -> Result<Scene, TooLarge> {
+        let shapes = self.shapes();
+        fits(self.build_bytes(), || format!("{}: a scene of {shapes} shapes", self.name))?;
+        Ok(self.build())
     }
 
     /// Leaves out what coincides with a surface in front of it. Returns what there is to tell about

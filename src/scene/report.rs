@@ -1,5 +1,6 @@
 //! What a reader has to tell about a file that it could read.
 
+use crate::plain;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -14,7 +15,7 @@ pub struct Place {
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "{}", self.file.display())?;
+        write!(f, "{}", plain::path(&self.file))?;
         if let Some(line) = self.line { write!(f, ":{line}") } else { Ok(()) }
     }
 }

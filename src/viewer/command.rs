@@ -27,7 +27,7 @@ pub(super) fn again(
     if said {
         let scene = match source {
             Source::Example(example) => example.name.to_owned(),
-            Source::File(path) => path.display().to_string(),
+            Source::File(path) => crate::shell::file(&path.display().to_string()),
         };
         return Ok(command(&recipe, &scene, &output));
     }
@@ -40,6 +40,7 @@ pub(super) fn again(
 }
 
 fn command(recipe: &Recipe, scene: &str, output: &str) -> String {
+    let (scene, output) = (&crate::shell::file(scene), &crate::shell::file(output));
     let words = ["burnish", "render", scene, "-o", output].map(str::to_owned);
     crate::shell::line(words.into_iter().chain(recipe.arguments()))
 }

@@ -126,11 +126,14 @@ fn build(source: Source, again: bool) -> Result<Loaded, Failed> {
         }
     };
     match read {
-        Ok((builder, mut report)) => {
-            let scene = Arc::new(builder.build());
-            scene.report(&mut report);
-            Ok(Loaded { scene, report, source, again, files })
-        }
+        Ok((builder, mut report)) => match builder.try_build() {
+            Ok(scene) => {
+                let scene = Arc::new(scene);
+                scene.report(&mut report);
+                Ok(Loaded { scene, report, source, again, files })
+            }
+            Err(e) => Err(Failed { why: e.to_string(), source, files }),
+        },
         Err(e) => Err(Failed { why: e.to_string(), source, files }),
     }
 }

@@ -4,6 +4,7 @@ use super::roughness;
 use crate::cli::Failure;
 use burnish::brdf::{Evaluation, Lobes, Microfacet, Model, ModelVisitor, Terms};
 use burnish::math::{Rgb, V3};
+use burnish::plain;
 use csv::{Position, StringRecord};
 use std::fs;
 use std::io::Write;
@@ -30,11 +31,11 @@ const OUTPUTS: [&str; 12] = [
 /// Reads rows and prints each with what it gives. Floats have as many digits as they need.
 pub(super) fn run(path: &Path, out: &mut impl Write) -> Result<(), Failure> {
     let text = fs::read_to_string(path)
-        .map_err(|e| Failure::new(format_args!("{}: cannot be read: {e}", path.display())))?;
+        .map_err(|e| Failure::new(format_args!("{}: cannot be read: {e}", plain::path(path))))?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let at = |position: Option<&Position>, why: String| {
         let line = position.map_or(1, |p| line(text, p));
-        Failure::new(format_args!("{}:{line}: {why}", path.display()))
+        Failure::new(format_args!("{}:{line}: {why}", plain::path(path)))
     };
     let broken = |e: csv::Error| at(e.position(), reason(&e));
 

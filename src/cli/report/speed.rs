@@ -1,13 +1,15 @@
 //! `burnish report SCENE...`: speed against error.
 
 use super::{sheet, table};
+use crate::cli::outputs::{self, Failures};
 use crate::cli::values::{self, Chosen, chosen};
 use crate::cli::{Failure, print, say, scene, stats};
 use burnish::brdf::{Model, Normals};
 use burnish::measure::error::{REL_RMSE, Reference};
 use burnish::measure::plot::{Curve, Dot, Panel, log_log};
 use burnish::measure::speed::{Checkpoint, Experiment, Plan, Stage, Summary, Truth, Variant};
-use burnish::picture::{check_writable, read_exr, replace_file};
+use burnish::picture::{read_exr, replace_file};
+use burnish::plain;
 use burnish::progressive::{Params, Session, Strategy};
 use std::path::{Path, PathBuf};
 
@@ -76,9 +78,11 @@ pub(super) struct Measured {
 /// Measures, prints and writes.
 pub(super) fn run(args: &super::Args) -> Result<(), Failure> {
     let options = &args.speed;
-    for path in options.csv.iter().chain(&options.plot) {
-        check_writable(path).map_err(Failure::new)?;
-    }
+    let files = || options.csv.iter().chain(&options.plot);
+    outputs::are_distinct(files());
+    let scenes = args.scenes.iter().map(PathBuf::as_path);
+    outputs::are_no_inputs(files(), scenes.chain(options.reference.as_deref()))?;
+    outputs::can_be_written(files())?;
     let mut all = Vec::new();
     for path in args.scenes() {
         let measured = measure(args, path)?;
@@ -86,15 +90,20 @@ pub(super) fn run(args: &super::Args) -> Result<(), Failure> {
         all.push(measured);
     }
     print(table::legend())?;
+    let mut failures = Failures::default();
     if let Some(path) = &options.csv {
-        sheet::write(path, &all)?;
+        failures.note(sheet::write(path, &all));
     }
     if let Some(path) = &options.plot {
-        let panels: Vec<Panel> = all.iter().map(panel).collect();
-        let svg = log_log(&panels).map_err(Failure::new)?;
-        replace_file(path, |sink| sink.write_all(svg.as_bytes())).map_err(Failure::new)?;
+        failures.note(plot(path, &all));
     }
-    Ok(())
+    failures.finish()
+}
+
+fn plot(path: &Path, all: &[Measured]) -> Result<(), Failure> {
+    let panels: Vec<Panel> = all.iter().map(panel).collect();
+    let svg = log_log(&panels).map_err(Failure::new)?;
+    replace_file(path, |sink| sink.write_all(svg.as_bytes())).map_err(Failure::new)
 }
 
 fn measure(args: &super::Args, path: Option<&Path>) -> Result<Measured, Failure> {
@@ -138,12 +147,12 @@ impl Args {
                 return Err(Failure::new(format_args!(
                     "{}: the reference has {width}x{height} pixels, the pictures {}x{}; \
                      give --size {width}x{height}",
-                    path.display(),
+                    plain::path(path),
                     size[0],
                     size[1]
                 )));
             }
-            let words = format!("{}, its own noise unknown", path.display());
+            let words = format!("{}, its own noise unknown", plain::path(path));
             return Ok((Truth::Given(Reference::known(picture)), words));
         }
         if let Some(radiance) = self.exact {

@@ -1,6 +1,8 @@
 //! Where the files that a file refers to come from: the disk, or memory.
 
 use super::text::{decode_names, raw};
+use crate::limits::{Bytes, FILE_BYTES, READ_FACTOR, fits};
+use crate::plain;
 use crate::scene::{Source, SourceFile, builtin};
 use sha2::{Digest, Sha256};
 use std::borrow::Cow;
@@ -131,6 +133,10 @@ pub(super) struct Recorder<'a> {
     files: &'a dyn Files,
     seen: RefCell<Vec<SourceFile>>,
     names: RefCell<HashSet<String>>,
+    /// The folder of the scene's own file, links followed; `None` where there is none.
+    folder: Option<PathBuf>,
+    /// What was read from elsewhere.
+    outside: RefCell<Vec<PathBuf>>,
 }
 
 impl<'a> Recorder<'a> {
@@ -138,7 +144,33 @@ impl<'a> Recorder<'a> {
     pub(super) fn new(own: &Path, bytes: &[u8], files: &'a dyn Files) -> Recorder<'a> {
         let name = own.file_name().unwrap_or(own.as_os_str()).to_string_lossy();
         let own = record(&name, own.to_owned(), bytes);
-        Recorder { files, seen: RefCell::new(vec![own]), names: RefCell::default() }
+        let folder = fs::canonicalize(&own.path).ok();
+        let folder = folder.and_then(|path| path.parent().map(Path::to_owned));
+        let (names, outside) = (RefCell::default(), RefCell::default());
+        Recorder { files, seen: RefCell::new(vec![own]), names, folder, outside }
+    }
+
+    /// A scene is one folder's affair; where it reaches beyond, who opens it is to know.
+    fn note_outside(&self, path: &Path) {
+        let place = fs::canonicalize(path).ok();
+        if let (Some(folder), Some(place)) = (&self.folder, place)
+            && !place.starts_with(folder)
+        {
+            self.outside.borrow_mut().push(path.to_owned());
+        }
+    }
+
+    /// Which files are elsewhere, for the report.
+    pub(super) fn remarks(&self) -> Vec<String> {
+        const MOST: usize = 8;
+        let outside = self.outside.borrow();
+        let note = |path: &PathBuf| format!("{}: is not in the scene's folder", plain::path(path));
+        let mut notes: Vec<String> = outside.iter().take(MOST).map(note).collect();
+        if outside.len() > MOST {
+            notes
+                .push(format!("{} more files are not in the scene's folder", outside.len() - MOST));
+        }
+        notes
     }
 
     pub(super) fn finish(self) -> Source {
@@ -149,8 +181,11 @@ impl<'a> Recorder<'a> {
 impl Files for Recorder<'_> {
     fn find(&self, name: &str) -> Result<(PathBuf, Cow<'_, [u8]>), Error> {
         let (path, bytes) = self.files.find(name)?;
+        // Those that are in the program or in memory as well.
+        room_to_read(bytes.len() as u64)?;
         if self.names.borrow_mut().insert(name.to_owned()) {
             self.seen.borrow_mut().push(record(name, path.clone(), &bytes));
+            self.note_outside(&path);
         }
         Ok((path, bytes))
     }
@@ -162,9 +197,6 @@ fn record(name: &str, path: PathBuf, bytes: &[u8]) -> SourceFile {
     SourceFile { name: name.to_owned(), path, bytes: bytes.len() as u64, sha256 }
 }
 
-/// A gigabyte of text is about thirty million triangles; more would not fit into memory as a scene.
-const MAX_BYTES: u64 = 4 << 30;
-
 /// All bytes of a regular file. Pipes and devices, which may never end, are refused.
 pub(super) fn load(path: &Path) -> Result<Vec<u8>, Error> {
     let about = fs::metadata(path)?;
@@ -175,8 +207,16 @@ pub(super) fn load(path: &Path) -> Result<Vec<u8>, Error> {
     if !about.is_file() {
         return refuse("it is not a regular file");
     }
-    if about.len() > MAX_BYTES {
-        return refuse("it is larger than 4 GiB");
+    if about.len() > FILE_BYTES {
+        return refuse(&format!("it is larger than {}", Bytes(FILE_BYTES)));
     }
+    room_to_read(about.len())?;
     fs::read(path)
+}
+
+/// Whether there is the memory to read so many bytes.
+fn room_to_read(bytes: u64) -> Result<(), Error> {
+    let what = || format!("to read its {}", Bytes(bytes));
+    fits(bytes.saturating_mul(READ_FACTOR), what)
+        .map_err(|e| Error::new(ErrorKind::OutOfMemory, e.to_string()))
 }

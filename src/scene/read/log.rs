@@ -1,5 +1,6 @@
 //! What a reader says: warnings and notes while it goes on, one error when it cannot.
 
+use crate::plain;
 use crate::scene::{Place, Report, Warning};
 use std::collections::HashMap;
 use std::fmt;
@@ -133,7 +134,7 @@ impl Log {
 
     /// A note that begins with the file's name.
     pub(super) fn note_on_file(&mut self, text: String) {
-        self.note(format!("{}: {text}", self.file.display()));
+        self.note(format!("{}: {text}", plain::path(&self.file)));
     }
 
     /// Lets `read` tell about another file; its remarks are kept in order.

@@ -118,6 +118,7 @@ fn read_obj(
     let model = obj::read(bytes, &mut log)?;
     let record = Recorder::new(name, bytes, files);
     let parts = obj::materials(&model, &record, &mut builder, &mut log)?;
+    record.remarks().into_iter().for_each(|note| log.note(note));
     builder.source = record.finish();
     let lines = model.lines();
     let parts: Vec<_> = parts

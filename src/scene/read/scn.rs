@@ -5,6 +5,7 @@ mod args;
 use super::files::{Files, Recorder};
 use super::log::{Errors, Log, ReadError};
 use super::{Format, left_out, model, settle, text, title};
+use crate::limits::SCREEN_SIDE as MAX_SIDE;
 use crate::scene::{
     Camera, MAX_COORDINATE, Material, MaterialError, MaterialId, Mesh, Report, SceneBuilder,
     ShapeError, Source,
@@ -14,9 +15,6 @@ use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 use std::path::Path;
 use std::rc::Rc;
-
-/// Largest width or height of a picture.
-const MAX_SIDE: u32 = 16384;
 
 /// Reads a scene; `name` stands in messages and `files` brings the models.
 pub fn read_scn(
@@ -35,6 +33,7 @@ pub fn read_scn(
         current: Current::default_material()
             .map_err(|e| ReadError::whole_file(name, e.to_string()))?,
         models: HashMap::new(),
+        placed: placed(&text),
         comment: (0, String::new()),
         last: HashMap::new(),
         lines: Vec::new(),
@@ -53,9 +52,24 @@ pub fn read_scn(
     }
     errors.finish(&reader.log)?;
     let lines = std::mem::take(&mut reader.lines);
-    let (mut builder, report) = reader.finish()?;
+    let (mut builder, mut report) = reader.finish()?;
+    report.notes.extend(record.remarks());
     builder.source = Source { text: Some(text.into_owned()), lines, ..record.finish() };
     Ok((builder, report))
+}
+
+/// How often each model is placed, by the names that the lines give.
+fn placed(text: &str) -> HashMap<&str, u64> {
+    let mut placed = HashMap::new();
+    for (_, line) in text::lines(text) {
+        let Some(("mesh", arguments)) = line.trim().split_once(char::is_whitespace) else {
+            continue;
+        };
+        if let Ok(file) = Args::new("mesh", "", arguments).file_name() {
+            *placed.entry(file).or_insert(0) += 1;
+        }
+    }
+    placed
 }
 
 const CAMERA: &str = "x y z ry ORIENT";
@@ -91,6 +105,8 @@ struct Reader<'a> {
     current: Current,
     /// Every model is read once, however often it is placed; `None` for one that cannot be.
     models: HashMap<String, Option<Rc<Mesh>>>,
+    /// How often each is placed.
+    placed: HashMap<&'a str, u64>,
     /// The last comment and its line: a material takes its name from the one right above it.
     comment: (usize, String),
     /// The line of each command's last occurrence.
@@ -317,9 +333,22 @@ impl<'a> Reader<'a> {
         if let Some(known) = self.models.get(file) {
             return known.as_ref().map(Rc::clone).ok_or(Problem::Told);
         }
-        let read = self.read_model(file, format).map(Rc::new);
+        let read = self.read_model(file, format).and_then(|mesh| self.has_room(file, mesh));
         self.models.insert(file.to_owned(), read.as_ref().ok().map(Rc::clone));
         read
+    }
+
+    /// A model that there is room for as often as it is placed: known before the first time.
+    fn has_room(&self, file: &str, mesh: Mesh) -> Result<Rc<Mesh>, Problem> {
+        let times = self.placed.get(file).copied().unwrap_or(1).max(1);
+        self.builder.has_room(times, &mesh).map_err(|e| {
+            Problem::Here(format!(
+                "{} with its {} triangles is placed {times} times: {e}",
+                text::shown(file),
+                mesh.triangles.len()
+            ))
+        })?;
+        Ok(Rc::new(mesh))
     }
 
     fn read_model(&mut self, file: &str, format: Format) -> Result<Mesh, Problem> {

@@ -77,8 +77,12 @@ impl Reader<'_> {
             _ => {}
         }
         let Some(entry) = self.entries.last_mut() else {
+            // A file that begins with other words may be of any kind, and nobody's business.
+            let of_mtl = ["ka", "kd", "ks", "ke", "ns", "ni", "d", "tr", "illum"];
+            let quoted = of_mtl.contains(&lower.as_str());
             return self.doubts.add("outside", line, || {
-                format!("expected `newmtl` before `{}`: it is not used", shown(word))
+                let before = if quoted { format!("`{}`", shown(word)) } else { "this".to_owned() };
+                format!("expected `newmtl` before {before}: it is not used")
             });
         };
         match lower.as_str() {

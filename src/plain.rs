@@ -1,13 +1,20 @@
-//! Text that may come from anyone, made safe for a terminal.
+//! Text that may come from anyone, made safe for a terminal and for a log.
+
+use std::path::Path;
 
 /// One line: nothing in it moves the cursor, recolours the screen or turns the order of letters.
-pub(super) fn line(text: &str) -> String {
+pub fn line(text: &str) -> String {
     escaped(text, |_| false)
 }
 
 /// Lines: the same but for tabs and line ends.
-pub(super) fn lines(text: &str) -> String {
+pub fn lines(text: &str) -> String {
     escaped(text, |c| matches!(c, '\n' | '\t'))
+}
+
+/// A file's name for a message: on one line, whatever is in it.
+pub fn path(path: &Path) -> String {
+    line(&path.display().to_string())
 }
 
 /// As JSON writes it, so that JSON stays what it says.
@@ -40,6 +47,7 @@ mod tests {
             "a\\u001b[2J\\u000d\\u009b5m\\u202eb\\u000a"
         );
         assert_eq!(lines("a\tb\n\u{7}"), "a\tb\n\\u0007");
+        assert_eq!(path("a\nburnish: b".as_ref()), "a\\u000aburnish: b");
         assert_eq!(line("W\u{fc}rfel \u{7acb}\u{65b9} %\\"), "W\u{fc}rfel \u{7acb}\u{65b9} %\\");
     }
 }

@@ -1,0 +1,98 @@
+//! Whether a recipe's values are such as a render can have: who wrote it is not known.
+
+use super::Recipe;
+use crate::brdf::{Erratum, Model, Normals, Roughness};
+use crate::math::lanes::Isa;
+use crate::picture::{Curve, Tone};
+use crate::plain;
+use crate::progressive::{Params, Session};
+use crate::scene::read::parse_camera;
+use crate::trace::{Group, Strategy};
+
+impl Recipe {
+    /// The first value that no render has, in words that follow "the recipe has ".
+    pub(super) fn impossible(&self) -> Option<String> {
+        let known = |what: &str, name: &str, names: &[&'static str]| {
+            let text = || format!("an unknown {what}, `{}`", shown(name));
+            (!names.contains(&name)).then(text)
+        };
+        let erratum = self.erratum.as_deref();
+        let tone = self.tone.as_ref();
+        let sides = 1..=Params::MAX_SIDE;
+        let [width, height] = self.size;
+        let size = || {
+            let wrong = !(sides.contains(&width) && sides.contains(&height));
+            wrong.then(|| format!("a size of {width}x{height} pixels"))
+        };
+        let passes = || {
+            // Time may run out within a pass: then there are more paths than whole passes have.
+            let least = u64::from(width) * u64::from(height) * self.passes.min(Session::MAX_PASSES);
+            if self.passes > Session::MAX_PASSES {
+                Some(format!("{} passes", self.passes))
+            } else if self.paths < least || self.nonfinite > self.paths {
+                Some(format!(
+                    "{} paths, {} of them not finite, in {} passes of {width}x{height} pixels",
+                    self.paths, self.nonfinite, self.passes
+                ))
+            } else {
+                None
+            }
+        };
+        let roughness = || {
+            let alpha = self.alpha.is_some_and(|a| Roughness::from_alpha(a).is_err());
+            let exponent = self.exponent.is_some_and(|a_p| Roughness::from_exponent(a_p).is_err());
+            let alone = self.alpha.is_none() || self.exponent.is_none();
+            (alpha || exponent || !alone)
+                .then(|| format!("alpha {:?} and exponent {:?}", self.alpha, self.exponent))
+        };
+        let camera = || {
+            let text = |why: String| format!("a camera that cannot be: {}", shown(&why));
+            parse_camera(&self.camera).err().map(text)
+        };
+        let error = || {
+            let e = self.error.as_ref()?;
+            let high = e.high.unwrap_or(f64::INFINITY);
+            let in_order = 0.0 <= e.low && e.low <= e.relative && e.relative <= high;
+            (!in_order).then(|| format!("an error of {} from {} to {high}", e.relative, e.low))
+        };
+        let exposure = || {
+            let exposure = tone?.exposure;
+            let [low, high] = Tone::EXPOSURE;
+            let possible = (low..=high).contains(&exposure);
+            (!possible).then(|| format!("an exposure of {exposure}"))
+        };
+        let material = || {
+            let wrong = |m: &super::MaterialRecipe| {
+                m.material().err().map(|e| format!("a material that cannot be: {e}"))
+            };
+            self.materials.iter().find_map(wrong)
+        };
+        known("model", &self.model, &Model::ALL.map(Model::name))
+            .or_else(|| known("strategy", &self.strategy, &Strategy::ALL.map(Strategy::name)))
+            .or_else(|| known("choice of normals", &self.normals, &Normals::ALL.map(Normals::name)))
+            .or_else(|| known("erratum", erratum?, &Erratum::ALL.map(Erratum::name)))
+            .or_else(|| known("tone curve", &tone?.curve, &Curve::ALL.map(Curve::name)))
+            .or_else(|| known("instruction set", &self.isa, &Isa::ALL.map(Isa::name)))
+            .or_else(|| {
+                let sizes = || Group::ALL.into_iter().map(Group::paths);
+                let wrong = self.group != 0 && !sizes().any(|paths| paths == self.group);
+                wrong.then(|| format!("groups of {} paths", self.group))
+            })
+            .or_else(|| (self.max_depth == Some(0)).then(|| "a depth limit of 0".to_owned()))
+            .or_else(size)
+            .or_else(passes)
+            .or_else(roughness)
+            .or_else(camera)
+            .or_else(error)
+            .or_else(exposure)
+            .or_else(material)
+    }
+}
+
+/// The beginning of a text, on one line.
+fn shown(text: &str) -> String {
+    const LONGEST: usize = 60;
+    let start: String = text.chars().take(LONGEST).collect();
+    let more = if text.chars().nth(LONGEST).is_some() { "…" } else { "" };
+    plain::line(&start) + more
+}
