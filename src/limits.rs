@@ -23,6 +23,8 @@ pub const TEXT_BYTES: usize = 8 << 20;
 pub const EXR_FREE_BYTES: u64 = 256 << 20;
 /// Most times the length of its file that they may come to beyond that.
 pub const EXR_EXPANSION: u64 = 100;
+/// Largest table of directions, in bytes.
+pub const TABLE_BYTES: u64 = 256 << 20;
 /// Bytes of memory that a byte of a scene or model takes at most while it is read: measured at 7 to
 /// 15, of binary PLY to lines of short numbers.
 pub const READ_FACTOR: u64 = 16;
@@ -34,6 +36,7 @@ pub fn table() -> Vec<(&'static str, String)> {
         ("`screen` in a scene", format!("{SCREEN_SIDE} pixels a side")),
         ("a file of a scene", format!("{}", Bytes(FILE_BYTES))),
         ("triangles and vertices of a scene", format!("{TRIANGLES} each")),
+        ("a table for `brdf --eval`", format!("{}", Bytes(TABLE_BYTES))),
         ("text beside a picture's pixels", format!("{}", Bytes(TEXT_BYTES as u64))),
         (
             "samples of an OpenEXR picture",
@@ -113,6 +116,8 @@ pub fn free() -> Option<Free> {
 /// What a thread may take of the address space beside what it was made for: its stack, and the
 /// place that the C library keeps for what it asks for.
 const THREAD: u64 = 66 << 20;
+/// So many such threads are counted: further ones do without.
+const MOST_THREADS: u64 = 2;
 /// What is asked for in small pieces and not counted.
 const SMALL: u64 = 24 << 20;
 
@@ -132,7 +137,7 @@ fn own_limits(limits: &str, status: &str) -> [Option<Free>; 2] {
     let threads = std::thread::available_parallelism().map_or(1, |n| n.get() as u64) + 1;
     let known = status.lines().find_map(|line| line.strip_prefix("Threads:"));
     let now: u64 = known.and_then(|n| n.trim().parse().ok()).unwrap_or(1);
-    let coming = (2 * threads).saturating_sub(now).min(4) * THREAD;
+    let coming = (2 * threads).saturating_sub(now).min(MOST_THREADS) * THREAD;
     [space, data].map(|free| {
         // They do without it where it cannot be had, so that it counts for a half at most.
         free.map(|free| Free { bytes: free.bytes - coming.min(free.bytes / 2), ..free })

@@ -17,6 +17,14 @@ pub fn path(path: &Path) -> String {
     line(&path.display().to_string())
 }
 
+/// The beginning of a text, on one line: enough to know it again.
+pub fn start(text: &str) -> String {
+    const LONGEST: usize = 60;
+    let start: String = text.chars().take(LONGEST).collect();
+    let more = if text.chars().nth(LONGEST).is_some() { "…" } else { "" };
+    line(&start) + more
+}
+
 /// As JSON writes it, so that JSON stays what it says.
 fn escaped(text: &str, keep: fn(char) -> bool) -> String {
     let mut safe = String::with_capacity(text.len());

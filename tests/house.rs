@@ -14,7 +14,7 @@ const MAY_KNOW: [(&str, &[&str]); 11] = [
     ("film", &["math"]),
     ("trace", &["scene", "geometry", "brdf", "math"]),
     ("picture", &["limits", "plain"]),
-    ("progressive", &["trace", "film", "scene", "picture", "brdf", "math", "limits"]),
+    ("progressive", &["trace", "film", "scene", "picture", "brdf", "math", "limits", "plain"]),
     ("measure", &["progressive", "trace", "film", "scene", "geometry", "picture", "brdf", "math"]),
 ];
 

@@ -103,7 +103,7 @@ fn describe_picture(path: &Path, recipe: &Recipe) -> Result<(), Failure> {
         line("", format_args!("{} samples were NaN or infinite", recipe.nonfinite))?;
     }
     if recipe.capped > 0 {
-        line("", format_args!("{} paths were ended by the safety cap", recipe.capped))?;
+        line("", format_args!("{} paths were ended by the safety caps", recipe.capped))?;
     }
     if let Some(tone) = &recipe.tone {
         line("tone", format_args!("{}, exposure {} EV", tone.curve, tone.exposure))?;

@@ -19,6 +19,7 @@ mod report;
 mod scene;
 mod settings;
 mod snapshots;
+mod soak;
 mod stats;
 mod talk;
 mod values;
@@ -72,6 +73,7 @@ enum Command {
     Pixel(Box<pixel::Args>),
     Render(Box<render::Args>),
     Report(report::Args),
+    Soak(soak::Args),
 }
 
 /// Runs the subcommand that the arguments name.
@@ -97,6 +99,7 @@ pub(crate) fn main() -> ExitCode {
         Some(Command::Pixel(args)) => pixel::run(&args),
         Some(Command::Render(args)) => render::run(&args, started),
         Some(Command::Report(args)) => report::run(&args),
+        Some(Command::Soak(args)) => soak::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -315,6 +315,8 @@ fn tell(traced: &Traced) {
     }
     if counts.capped > 0 {
         let n = counts.capped;
-        note(format_args!("{n} paths were ended by the safety cap on their length"));
+        note(format_args!(
+            "{n} paths were ended by the safety caps on their length and throughput"
+        ));
     }
 }

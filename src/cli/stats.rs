@@ -35,7 +35,7 @@ pub(super) struct Stats {
     pub(super) mean: [f64; 3],
     /// Samples left out because they were NaN or infinite.
     pub(super) nonfinite: u64,
-    /// Paths ended by the safety cap on their length.
+    /// Paths ended by the safety caps on their length and throughput.
     pub(super) capped: u64,
     pub(super) model: &'static str,
     /// How light was found, and which microfacet normals were drawn.

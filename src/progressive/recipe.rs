@@ -85,7 +85,7 @@ pub struct Recipe {
     pub rays: u64,
     /// Samples left out because they were NaN or infinite.
     pub nonfinite: u64,
-    /// Paths ended by the safety cap on their length.
+    /// Paths ended by the safety caps on their length and throughput.
     pub capped: u64,
     /// The estimated error, once there is an estimate.
     pub error: Option<ErrorRecipe>,

@@ -89,7 +89,8 @@ pub struct Counts {
     pub rays: u64,
     /// Samples that were NaN or infinite; they are left out of the sums and their pixels are wrong.
     pub nonfinite: u64,
-    /// Paths ended by the safety cap on their length.
+    /// Paths ended by the safety caps on their length and on their throughput, which has grown beyond
+    /// 1e12 where more light leaves surfaces than comes to them.
     pub capped: u64,
 }
 

@@ -27,6 +27,10 @@ use std::sync::Arc;
 /// Longest path, a safety net: roulette ends paths long before unless the scene gains energy.
 /// Paths that it ends are counted, for they are a bias.
 pub const DEPTH_CAP: u32 = 1000;
+/// Largest throughput of a path, far above what any scene has that gives back no more light than it
+/// gets: in a closed room of more it grows without end, and so would the sums. Paths that reach it
+/// end there and are counted as well. With the brightest of lamps products stay below 1e31, of 3e38.
+pub const THROUGHPUT_CAP: f32 = 1e12;
 
 /// How light is found at a surface. All three have the same mean; they differ in noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -152,7 +156,7 @@ pub struct Scratch {
     bundle: Box<Bundle>,
     /// Rays traced.
     pub rays: u64,
-    /// Paths ended by [`DEPTH_CAP`].
+    /// Paths ended by [`DEPTH_CAP`] or [`THROUGHPUT_CAP`].
     pub capped: u64,
     /// What the engine has done.
     pub effort: Effort,

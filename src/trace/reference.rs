@@ -3,7 +3,7 @@
 use super::errata::Wrong;
 use super::lights::{Asked, Receiver};
 use super::rules::{Right, Rules};
-use super::{DEPTH_CAP, Scratch, Tracer, roulette};
+use super::{DEPTH_CAP, Scratch, THROUGHPUT_CAP, Tracer, roulette};
 use crate::brdf::Microfacet;
 use crate::geometry::{Ray, SurfacePoint, offset_origin};
 use crate::math::lanes::U32;
@@ -155,6 +155,10 @@ impl Tracer {
                     }
                     beta = beta * (1.0 / survival);
                 }
+            }
+            if beta.max_channel() > THROUGHPUT_CAP {
+                scratch.capped += 1;
+                return sum;
             }
             ray = Ray { o: rules.leave(&vertex, d), d };
             from = Some((receiver, next.pdf));

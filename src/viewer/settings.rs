@@ -155,6 +155,10 @@ impl Settings {
 }
 
 #[cfg(test)]
+#[path = "../../tests/support/mutate.rs"]
+mod mutate;
+
+#[cfg(test)]
 mod tests {
     use super::*;
 
@@ -219,5 +223,26 @@ mod tests {
             }
             assert_eq!(read, expected, "{name}");
         }
+    }
+
+    /// Whatever is in the file, the window opens, with values that it could have had: what was read
+    /// is the same once it is written and read again.
+    #[test]
+    fn broken_files_open_a_window_all_the_same() {
+        let mut files = mutate::corpus(include_str!("../../tests/fuzz/corpus/settings.txt"));
+        assert!(files.len() >= 60, "{}", files.len());
+        files.insert(0, changed().text().into_bytes());
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("window.json");
+        let words = ["null", "-1", "1e999", "\"", "[", "{", ",", "true", "\"dark\"", "4294967296"];
+        let mut kept = 0;
+        mutate::try_all(&files, 1, &words, 9, |bytes, _| {
+            std::fs::write(&path, bytes).unwrap();
+            let read = Settings::read(&path);
+            std::fs::write(&path, read.text()).unwrap();
+            assert_eq!(Settings::read(&path), read, "{:?}", String::from_utf8_lossy(bytes));
+            kept += u64::from(read != Settings::default());
+        });
+        assert!(kept > 100, "{kept}");
     }
 }

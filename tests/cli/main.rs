@@ -2,6 +2,7 @@
 
 mod brdf;
 mod measure;
+mod outputs;
 
 use burnish::math::lanes::Isa;
 use image::GenericImageView;

@@ -1,5 +1,6 @@
 //! No input may panic, hang or eat memory.
 
+use super::mutate::{Random, WORDS};
 use super::text;
 use burnish::geometry::Ray;
 use burnish::math::V3;
@@ -102,80 +103,6 @@ fn broken_files_are_errors() {
     }
 }
 
-/// SplitMix64 (Steele, Lea and Flood 2014).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % n.max(1) as u64) as usize
-    }
-
-    /// A few random changes: bits, bytes, runs that move or vanish, words that hurt.
-    fn mutate(&mut self, good: &[u8]) -> Vec<u8> {
-        const WORDS: [&str; 34] = [
-            " -1 ",
-            " 0 ",
-            " 1e999 ",
-            " nan ",
-            "\n",
-            " \\\n",
-            "/",
-            "//",
-            " 99999999999999999999 ",
-            " -9223372036854775808 ",
-            "18446744073709551615",
-            "\r",
-            "\0",
-            " 4294967296 ",
-            " q ",
-            "f 1 2 3\n",
-            "Kd 0.5\n",
-            " list ",
-            "element x 4000000000\n",
-            "\u{feff}",
-            "#",
-            "\\",
-            " -1.#IND ",
-            "usemtl\n",
-            "newmtl \u{e4}\n",
-            "mtllib \".\\lamp.mtl\" #\n",
-            "s 1\n",
-            "f 1//0 4 3 2 7 5\n",
-            "illum 0\nKs 2 nan 1 1\n",
-            "map_Kd \\\n",
-            "\n\r",
-            " \"",
-            " int64 ",
-            " 1.#INF ",
-        ];
-        let mut bytes = good.to_vec();
-        for _ in 0..=self.below(4) {
-            let (a, b) = (self.below(bytes.len() + 1), self.below(bytes.len() + 1));
-            let (a, b) = (a.min(b), a.max(b).min(a.min(b) + 40));
-            match self.below(6) {
-                0 if a < bytes.len() => bytes[a] ^= 1 << self.below(8),
-                1 if a < bytes.len() => bytes[a] = self.below(256) as u8,
-                2 => drop(bytes.drain(a..b)),
-                3 => bytes.truncate(a),
-                4 => {
-                    let run = bytes[a..b].to_vec();
-                    let at = self.below(bytes.len() + 1);
-                    bytes.splice(at..at, run);
-                }
-                _ => {
-                    let word = WORDS[self.below(WORDS.len())].bytes();
-                    bytes.splice(a..a, word);
-                }
-            }
-        }
-        bytes
-    }
-}
-
 #[test]
 fn thousands_of_damaged_files_neither_panic_nor_hang() {
     let mut binary = b"ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty float x\n\
@@ -221,7 +148,7 @@ fn thousands_of_damaged_files_neither_panic_nor_hang() {
     for round in 0..6000 {
         let mut files = good;
         let victim = round % files.len();
-        let bytes = random.mutate(files[victim].1);
+        let bytes = random.mutate(files[victim].1, &WORDS);
         files[victim].1 = &bytes;
         // An MTL file is read by way of its model.
         let opened = if victim == 2 { 1 } else { victim };
@@ -291,7 +218,7 @@ fn damaged_shipped_scenes_are_scenes_or_errors() {
         if whole.len() > 100_000 && round > 13 * good.len() {
             continue;
         }
-        let bytes = random.mutate(whole);
+        let bytes = random.mutate(whole, &WORDS);
         let files: Vec<(&str, &[u8])> = good
             .iter()
             .filter(|(_, bytes)| bytes.len() < 100_000)

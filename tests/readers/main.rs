@@ -5,6 +5,8 @@ mod broken;
 mod coincide;
 mod files;
 mod mtl;
+#[path = "../support/mutate.rs"]
+mod mutate;
 mod normals;
 mod obj;
 mod ply;

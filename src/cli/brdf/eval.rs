@@ -3,11 +3,12 @@
 use super::roughness;
 use crate::cli::Failure;
 use burnish::brdf::{Evaluation, Lobes, Microfacet, Model, ModelVisitor, Terms};
+use burnish::limits::{Bytes, TABLE_BYTES};
 use burnish::math::{Rgb, V3};
 use burnish::plain;
 use csv::{Position, StringRecord};
-use std::fs;
-use std::io::Write;
+use std::fs::File;
+use std::io::{self, Read, Write};
 use std::path::Path;
 
 /// What a row must have.
@@ -30,9 +31,14 @@ const OUTPUTS: [&str; 12] = [
 
 /// Reads rows and prints each with what it gives. Floats have as many digits as they need.
 pub(super) fn run(path: &Path, out: &mut impl Write) -> Result<(), Failure> {
-    let text = fs::read_to_string(path)
+    let text = read(path)
         .map_err(|e| Failure::new(format_args!("{}: cannot be read: {e}", plain::path(path))))?;
-    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+    answer(&text, path, out)
+}
+
+/// The same for the text of a file of this name.
+fn answer(text: &str, path: &Path, out: &mut impl Write) -> Result<(), Failure> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let at = |position: Option<&Position>, why: String| {
         let line = position.map_or(1, |p| line(text, p));
         Failure::new(format_args!("{}:{line}: {why}", plain::path(path)))
@@ -53,6 +59,17 @@ pub(super) fn run(path: &Path, out: &mut impl Write) -> Result<(), Failure> {
         writeln!(out)?;
     }
     Ok(())
+}
+
+/// The whole table, of a file or of a pipe, which need not end.
+fn read(path: &Path) -> io::Result<String> {
+    let mut text = String::new();
+    File::open(path)?.take(TABLE_BYTES + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > TABLE_BYTES {
+        let why = format!("it is larger than {}", Bytes(TABLE_BYTES));
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, why));
+    }
+    Ok(text)
 }
 
 /// The line of a record, counted from 1. Positions point before the empty lines that were skipped.
@@ -98,7 +115,7 @@ impl Row {
         let number = |i: usize| {
             let value = text(i).parse().ok().filter(|x: &f64| x.is_finite());
             value.ok_or_else(|| {
-                format!("column {}: expected a number, not `{}`", INPUTS[i], text(i))
+                format!("column {}: expected a number, not `{}`", INPUTS[i], plain::start(text(i)))
             })
         };
         let direction = |i: usize| {
@@ -121,7 +138,7 @@ impl Row {
         };
         let model = Model::ALL.into_iter().find(|m| m.name() == text(0)).ok_or_else(|| {
             let known = Model::ALL.map(Model::name).join(", ");
-            format!("column model: expected one of {known}, not `{}`", text(0))
+            format!("column model: expected one of {known}, not `{}`", plain::start(text(0)))
         })?;
         let roughness = roughness(model, number(1)?).map_err(|e| format!("column param: {e}"))?;
         let lobes = Lobes { kd: reflectance(8)?, ks: reflectance(9)?, width: roughness.into() };
@@ -153,5 +170,50 @@ impl ModelVisitor for &Row {
             t.p_specular,
             pdf,
         ]
+    }
+}
+
+#[cfg(test)]
+#[path = "../../../tests/support/mutate.rs"]
+mod mutate;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    /// A table and what random changes make of it: an answer for each row, or one line with the
+    /// file, its line and what was expected.
+    #[test]
+    fn broken_tables_are_errors_with_their_line() {
+        let header = INPUTS.join(",");
+        let good = format!(
+            "{header}\nggx,0.1,0,0,1,0.6,0,0.8,0.5,0.04\nphong,198,0,0.6,0.8,0,0,1,0.2,0.9\n\
+             beckmann,0.3,0.28,0,0.96,-0.6,0,0.8,0,1\n"
+        );
+        let corpus = include_str!("../../../tests/fuzz/corpus/csv.txt").replace("{H}", &header);
+        let mut files = mutate::corpus(&corpus);
+        assert!(files.len() >= 60, "{}", files.len());
+        files.insert(0, good.into_bytes());
+        let words = ["\n", ",", "\"", "nan", "1e999", "\r", "ggx", ";", "\u{feff}", "0.5,"];
+        let (mut answered, mut refused) = (0, 0);
+        mutate::try_all(&files, 1, &words, 8, |bytes, _| {
+            let text = String::from_utf8_lossy(bytes);
+            let mut out = Vec::new();
+            match answer(&text, "t.csv".as_ref(), &mut out) {
+                Ok(()) => {
+                    answered += 1;
+                    assert!(out.len() <= 400 * (2 + text.len()), "{} bytes", out.len());
+                }
+                Err(Failure(told)) => {
+                    refused += 1;
+                    let told = plain::lines(&told.unwrap());
+                    assert!(mutate::is_fit(&told), "{told:?}");
+                    let line = told.strip_prefix("t.csv:").and_then(|rest| rest.split(':').next());
+                    let lines = 1 + text.matches(['\n', '\r']).count();
+                    let line: usize = line.unwrap().parse().unwrap();
+                    assert!((1..=lines).contains(&line), "{told}");
+                }
+            }
+        });
+        assert!(answered > 10 && refused > 100, "{answered} answered, {refused} refused");
     }
 }

@@ -13,7 +13,7 @@ impl Recipe {
     /// The first value that no render has, in words that follow "the recipe has ".
     pub(super) fn impossible(&self) -> Option<String> {
         let known = |what: &str, name: &str, names: &[&'static str]| {
-            let text = || format!("an unknown {what}, `{}`", shown(name));
+            let text = || format!("an unknown {what}, `{}`", plain::start(name));
             (!names.contains(&name)).then(text)
         };
         let erratum = self.erratum.as_deref();
@@ -46,7 +46,7 @@ impl Recipe {
                 .then(|| format!("alpha {:?} and exponent {:?}", self.alpha, self.exponent))
         };
         let camera = || {
-            let text = |why: String| format!("a camera that cannot be: {}", shown(&why));
+            let text = |why: String| format!("a camera that cannot be: {}", plain::start(&why));
             parse_camera(&self.camera).err().map(text)
         };
         let error = || {
@@ -87,12 +87,4 @@ impl Recipe {
             .or_else(exposure)
             .or_else(material)
     }
-}
-
-/// The beginning of a text, on one line.
-fn shown(text: &str) -> String {
-    const LONGEST: usize = 60;
-    let start: String = text.chars().take(LONGEST).collect();
-    let more = if text.chars().nth(LONGEST).is_some() { "…" } else { "" };
-    plain::line(&start) + more
 }

@@ -60,6 +60,8 @@ pub(super) struct Bundle {
     ends: Vec<u32>,
     shares: bool,
     part: Part,
+    /// Paths that were ended for their throughput.
+    capped: u64,
 }
 
 /// Which samples of some pixels.
@@ -230,6 +232,7 @@ impl Tracer {
             }
             count = going;
         }
+        *capped += std::mem::take(&mut bundle.capped);
         match bundle.part {
             Part::Shared if bundle.shares => bundle.radiance.fill([0.0; 3]),
             Part::Own => return,

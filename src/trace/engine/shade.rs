@@ -9,7 +9,7 @@ use crate::math::lanes::{Lane, Mask, Packet};
 use crate::math::sequence::{Slot, Stream, pair, unit};
 use crate::math::{Frame, Rgb, V3};
 use crate::trace::lights::Receiver;
-use crate::trace::{Tracer, power_heuristic, roulette};
+use crate::trace::{THROUGHPUT_CAP, Tracer, power_heuristic, roulette};
 
 impl Tracer {
     /// One scattering event of `count` paths: adds the light that they met, prepares the rays
@@ -166,6 +166,11 @@ impl Tracer {
                 } else if is_second {
                     beta = Rgb::splat(one);
                 }
+            }
+            let escapes = goes & beta.max_channel().gt(P::splat(THROUGHPUT_CAP));
+            if escapes.any() {
+                bundle.capped += u64::from(escapes.bits().count_ones());
+                goes = goes & !escapes;
             }
             let (mut wi, mut cos) = (next.wi, cos);
             if bends.any() {
