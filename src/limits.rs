@@ -128,19 +128,28 @@ fn own_limits(limits: &str, status: &str) -> [Option<Free>; 2] {
         line.split_whitespace().next()?.parse::<u64>().ok()
     };
     let left = |name, used, by| {
-        let bytes = soft(name)?.saturating_sub(kib(status, used)?).saturating_sub(SMALL);
+        let bytes = soft(name)?.saturating_sub(kib(status, used)?);
         Some(Free { bytes, by })
     };
+    // Of the address space that threads have set aside, what nobody uses yet serves small pieces: half
+    // of it is counted, for it is of no use to large ones.
+    let used =
+        ["VmData:", "VmStk:", "VmExe:", "VmLib:"].iter().filter_map(|name| kib(status, name));
+    let aside = kib(status, "VmSize:").unwrap_or(0).saturating_sub(used.sum()) / 2;
     let space = left("Max address space", "VmSize:", "under `ulimit -v`");
+    let space = space.map(|free| Free { bytes: free.bytes + aside, ..free });
     let data = left("Max data size", "VmData:", "under `ulimit -d`");
     // What threads that are still to come will set aside is gone for all else.
     let threads = std::thread::available_parallelism().map_or(1, |n| n.get() as u64) + 1;
     let known = status.lines().find_map(|line| line.strip_prefix("Threads:"));
     let now: u64 = known.and_then(|n| n.trim().parse().ok()).unwrap_or(1);
-    let coming = (2 * threads).saturating_sub(now).min(MOST_THREADS) * THREAD;
+    let coming = threads.saturating_sub(now).min(MOST_THREADS) * THREAD;
     [space, data].map(|free| {
         // They do without it where it cannot be had, so that it counts for a half at most.
-        free.map(|free| Free { bytes: free.bytes - coming.min(free.bytes / 2), ..free })
+        free.map(|free| {
+            let bytes = free.bytes.saturating_sub(SMALL);
+            Free { bytes: bytes - coming.min(bytes / 2), ..free }
+        })
     })
 }
 
@@ -201,7 +210,7 @@ mod tests {
         let limits = "Limit  Soft Limit  Hard Limit  Units\n\
                       Max data size             unlimited            unlimited            bytes\n\
                       Max address space         4294967296           unlimited            bytes\n";
-        let status = "VmSize:\t 1048576 kB\nVmData:\t 1024 kB\nThreads:\t40000\n";
+        let status = "VmSize:\t 1048576 kB\nVmData:\t 1048576 kB\nThreads:\t40000\n";
         let [space, data] = own_limits(limits, status);
         assert_eq!(data, None);
         assert_eq!(space.unwrap().bytes, (3 << 30) - SMALL);
@@ -209,6 +218,9 @@ mod tests {
         let [space, _] = own_limits(limits, &status.replace("40000", "1"));
         let bytes = space.unwrap().bytes;
         assert!(bytes < (3 << 30) - SMALL && bytes >= ((3 << 30) - SMALL) / 2, "{bytes}");
+        // What is set aside serves by half.
+        let idle = status.replace("VmData:\t 1048576", "VmData:\t 524288");
+        assert_eq!(own_limits(limits, &idle)[0].unwrap().bytes, (3 << 30) - SMALL + (256 << 20));
         let [space, _] = own_limits(&limits.replace("4294967296", "1024"), status);
         assert_eq!(space.unwrap().bytes, 0);
     }

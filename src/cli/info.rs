@@ -4,7 +4,7 @@ use super::{Failure, print, scene, talk};
 use crate::shell::{file as file_of, line as line_of, quoted};
 use burnish::picture::{Format, contents as picture_contents, read_recipe_of};
 use burnish::plain;
-use burnish::progressive::{MaterialRecipe, Recipe};
+use burnish::progressive::{MaterialRecipe, Recipe, RecipeError};
 use burnish::scene::{Material, Report, Scene, SourceFile};
 use serde::Serialize;
 use std::fmt::Display;
@@ -61,10 +61,11 @@ fn picture(path: &Path, args: &Args) -> Result<(), Failure> {
         talk::note(format_args!("{}: this is about its part `{part}`", plain::path(path)));
     }
     let text = found.text;
-    let recipe = Recipe::parse(&text).map_err(|e| about(&e))?;
-    if args.json {
-        return print(text.trim_end());
-    }
+    let recipe = match Recipe::parse(&text) {
+        // What it cannot understand it can still hand out.
+        Ok(_) | Err(RecipeError::Version(_)) if args.json => return print(text.trim_end()),
+        read => read.map_err(|e| about(&e))?,
+    };
     if args.scene {
         let text = recipe.scene_text().map_err(|e| about(&e))?;
         return print(text.replace("\r\n", "\n").replace('\r', "\n").trim_end());

@@ -112,7 +112,10 @@ fn change(
         0 => return Ok(session.pause()),
         1 => return Ok(session.resume()),
         2 => return Ok(session.set_limit(1 + random.below(20))),
-        3 => return Ok(drop(session.restart())),
+        3 => {
+            session.restart();
+            return Ok(());
+        }
         4 => return Ok(drop(session.latest())),
         5 => params.model = Model::ALL[below(random, Model::ALL.len())],
         6 => params.size = [1 + random.below(200) as u32, 1 + random.below(150) as u32],

@@ -161,7 +161,7 @@ pub(crate) fn files() -> Vec<Vec<u8>> {
     let many: Vec<String> = (0..5000).map(|i| format!("c{i:05}")).collect();
     let many: Vec<&str> = many.iter().map(String::as_str).collect();
     add(&|f| f.channels = channels(&many, 2, 1));
-    add(&|f| drop(f.channels.pop()));
+    add(&|f| f.channels.truncate(f.channels.len() - 1));
     add(&|f| f.channels = b"R\0".to_vec());
     // Kinds of file: deep, in tiles with and without a description, long names, later versions.
     for flags in [0x200, 0x400, 0x800, 0x1000, 0x1e00, 0xffff_fd00] {

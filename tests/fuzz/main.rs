@@ -157,7 +157,6 @@ fn recipes() {
 
 /// Reads a picture file, which has to be on disk.
 fn read_pictures(kind: &str, files: Vec<Vec<u8>>, most: usize, seed: u64) {
-    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     assert!(files.len() >= 60, "{} files", files.len());
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(format!("x.{kind}"));
@@ -188,6 +187,7 @@ fn read_pictures(kind: &str, files: Vec<Vec<u8>>, most: usize, seed: u64) {
 /// What a file of no length may claim, packed and unpacked, and the picture made of it.
 #[test]
 fn exr_pictures() {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let folder = tempfile::tempdir().unwrap();
     let mut files = Vec::new();
     let path = folder.path().join("own.exr");
@@ -201,6 +201,7 @@ fn exr_pictures() {
 
 #[test]
 fn png_pictures() {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let most = 8 * burnish::limits::TEXT_BYTES;
     read_pictures("png", exr::png_files(&recipe()), most, 7);
 }
