@@ -203,3 +203,59 @@ fn tiny_and_huge_shapes_keep_their_form() {
         assert!((d / r - 3.0).abs() < 1e-6 && (0.1..1.0).contains(&r), "{radius}: {r} {d}");
     }
 }
+
+/// What is read from elsewhere is told, by a path, by a link, or by the working directory; what is in
+/// the scene's folder or below it is not.
+#[test]
+fn what_lies_outside_the_folder_of_the_scene_is_told() {
+    let outer = tempfile::tempdir().unwrap();
+    let inner = outer.path().join("in");
+    std::fs::create_dir_all(inner.join("below")).unwrap();
+    let model = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    for place in ["above.obj", "in/beside.obj", "in/below/deep.obj"] {
+        std::fs::write(outer.path().join(place), model).unwrap();
+    }
+    let mut cases = vec![
+        ("../above.obj", 1),
+        ("beside.obj", 0),
+        ("below/deep.obj", 0),
+        ("below/../beside.obj", 0),
+        ("../in/beside.obj", 0),
+        ("tests/data/leaf.ply", 1),
+    ];
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("../above.obj", inner.join("link.obj")).unwrap();
+        cases.push(("link.obj", 1));
+    }
+    for (name, told) in cases {
+        let scene = inner.join("s.scn");
+        std::fs::write(&scene, format!("environment 1 1 1\nmesh {name} 0 0 0 1\n")).unwrap();
+        let notes = read::open(&scene).unwrap().1.notes;
+        let outside = notes.iter().filter(|note| note.contains("is not in the scene's folder"));
+        assert_eq!(outside.count(), told, "{name}: {notes:?}");
+    }
+}
+
+/// A library that is no library at all: what is in it is nobody's business.
+#[test]
+fn a_file_of_another_kind_is_not_quoted() {
+    let secret = "root:x:0:0:root:/root:/bin/sh\nKEY=hunter2\n";
+    let model = "mtllib l.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
+    let files =
+        [("l.mtl", secret.as_bytes()), ("m.obj", secret.as_bytes()), ("m.ply", secret.as_bytes())];
+    let (_, report) = read::read(model.as_bytes(), "a.obj".as_ref(), &Memory(&files)).unwrap();
+    let mut told: Vec<String> = warnings(&report);
+    assert!(told.iter().any(|w| w.contains("l.mtl:1: expected `newmtl` before this")), "{told:?}");
+    for name in ["m.obj", "m.ply"] {
+        let scene = format!("environment 1 1 1\nmesh {name} 0 0 0 1\n");
+        let error = read::read(scene.as_bytes(), "a.scn".as_ref(), &Memory(&files)).unwrap_err();
+        told.push(error.to_string());
+    }
+    told.push(
+        read::read(secret.as_bytes(), "s.scn".as_ref(), &Memory(&[])).unwrap_err().to_string(),
+    );
+    for text in told {
+        assert!(!text.contains("root") && !text.contains("hunter2"), "{text}");
+    }
+}
