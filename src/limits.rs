@@ -103,51 +103,56 @@ pub fn fits(need: u64, what: impl FnOnce() -> String) -> Result<(), TooLarge> {
 pub fn free() -> Option<Free> {
     let text = |path: &str| fs::read_to_string(path).ok();
     let (limits, status) = (text("/proc/self/limits"), text("/proc/self/status"));
+    let one_place = std::env::var(ONE_PLACE.0).is_ok_and(|value| value == ONE_PLACE.1);
     let of_limits = limits
         .zip(status)
         .into_iter()
-        .flat_map(|(limits, status)| own_limits(&limits, &status).into_iter().flatten());
+        .flat_map(|(limits, status)| own_limits(&limits, &status, one_place).into_iter().flatten());
     let machine = text("/proc/meminfo")
         .and_then(|text| Some(Free { bytes: kib(&text, "MemAvailable:")?, by: "of the machine" }));
     let groups = text("/proc/self/cgroup").map_or(Vec::new(), |text| control_groups(&text));
     of_limits.chain(machine).chain(groups).min_by_key(|free| free.bytes)
 }
 
-/// What a thread may take of the address space beside what it was made for: its stack, and the
-/// place that the C library keeps for what it asks for.
-const THREAD: u64 = 66 << 20;
-/// So many such threads are counted: further ones do without.
-const MOST_THREADS: u64 = 2;
+/// What tells the C library to have one place for all threads, before a program begins. Without it
+/// each thread sets aside address space of its own.
+pub const ONE_PLACE: (&str, &str) = ("MALLOC_ARENA_MAX", "1");
+
+/// The limit of `ulimit -v`, in bytes; `None` without one.
+pub fn address_space() -> Option<u64> {
+    soft(&fs::read_to_string("/proc/self/limits").ok()?, "Max address space")
+}
+
+fn soft(limits: &str, name: &str) -> Option<u64> {
+    let line = limits.lines().find_map(|line| line.strip_prefix(name))?;
+    line.split_whitespace().next()?.parse().ok()
+}
+
+/// What a thread takes of the address space beside what it was made for: its stack, and what the C
+/// library sets aside for it.
+const STACK: u64 = 4 << 20;
+const ASIDE: u64 = 64 << 20;
 /// What is asked for in small pieces and not counted.
-const SMALL: u64 = 24 << 20;
+const SMALL: u64 = 32 << 20;
 
 /// By `ulimit -v` and `ulimit -d`.
-fn own_limits(limits: &str, status: &str) -> [Option<Free>; 2] {
-    let soft = |name: &str| {
-        let line = limits.lines().find_map(|line| line.strip_prefix(name))?;
-        line.split_whitespace().next()?.parse::<u64>().ok()
-    };
+fn own_limits(limits: &str, status: &str, one_place: bool) -> [Option<Free>; 2] {
     let left = |name, used, by| {
-        let bytes = soft(name)?.saturating_sub(kib(status, used)?);
+        let bytes = soft(limits, name)?.saturating_sub(kib(status, used)?);
         Some(Free { bytes, by })
     };
-    // Of the address space that threads have set aside, what nobody uses yet serves small pieces: half
-    // of it is counted, for it is of no use to large ones.
-    let used =
-        ["VmData:", "VmStk:", "VmExe:", "VmLib:"].iter().filter_map(|name| kib(status, name));
-    let aside = kib(status, "VmSize:").unwrap_or(0).saturating_sub(used.sum()) / 2;
     let space = left("Max address space", "VmSize:", "under `ulimit -v`");
-    let space = space.map(|free| Free { bytes: free.bytes + aside, ..free });
     let data = left("Max data size", "VmData:", "under `ulimit -d`");
     // What threads that are still to come will set aside is gone for all else.
-    let threads = std::thread::available_parallelism().map_or(1, |n| n.get() as u64) + 1;
+    let threads = std::thread::available_parallelism().map_or(1, |n| n.get() as u64);
     let known = status.lines().find_map(|line| line.strip_prefix("Threads:"));
     let now: u64 = known.and_then(|n| n.trim().parse().ok()).unwrap_or(1);
-    let coming = threads.saturating_sub(now).min(MOST_THREADS) * THREAD;
+    let each = STACK + if one_place { 0 } else { ASIDE };
+    let coming = (2 * threads + 2).saturating_sub(now) * each;
     [space, data].map(|free| {
-        // They do without it where it cannot be had, so that it counts for a half at most.
         free.map(|free| {
             let bytes = free.bytes.saturating_sub(SMALL);
+            // They do without it where it cannot be had, so that it counts for a half at most.
             Free { bytes: bytes - coming.min(bytes / 2), ..free }
         })
     })
@@ -210,18 +215,18 @@ mod tests {
         let limits = "Limit  Soft Limit  Hard Limit  Units\n\
                       Max data size             unlimited            unlimited            bytes\n\
                       Max address space         4294967296           unlimited            bytes\n";
-        let status = "VmSize:\t 1048576 kB\nVmData:\t 1048576 kB\nThreads:\t40000\n";
-        let [space, data] = own_limits(limits, status);
+        let status = "VmSize:\t 1048576 kB\nVmData:\t 1024 kB\nThreads:\t40000\n";
+        let [space, data] = own_limits(limits, status, false);
         assert_eq!(data, None);
         assert_eq!(space.unwrap().bytes, (3 << 30) - SMALL);
         // Threads that are to come take of it, but never all.
-        let [space, _] = own_limits(limits, &status.replace("40000", "1"));
+        let [space, _] = own_limits(limits, &status.replace("40000", "1"), false);
         let bytes = space.unwrap().bytes;
-        assert!(bytes < (3 << 30) - SMALL && bytes >= ((3 << 30) - SMALL) / 2, "{bytes}");
-        // What is set aside serves by half.
-        let idle = status.replace("VmData:\t 1048576", "VmData:\t 524288");
-        assert_eq!(own_limits(limits, &idle)[0].unwrap().bytes, (3 << 30) - SMALL + (256 << 20));
-        let [space, _] = own_limits(&limits.replace("4294967296", "1024"), status);
+        let left = (3 << 30) - SMALL;
+        assert!((left / 2..left).contains(&bytes), "{bytes}");
+        let [alone, _] = own_limits(limits, &status.replace("40000", "1"), true);
+        assert!(alone.unwrap().bytes > bytes, "one place for all leaves more");
+        let [space, _] = own_limits(&limits.replace("4294967296", "1024"), status, true);
         assert_eq!(space.unwrap().bytes, 0);
     }
 

@@ -1,6 +1,9 @@
 //! burnish: look at microfacet BRDFs in a path-traced picture that gets better as you watch.
 
 mod cli;
+#[cfg(test)]
+#[path = "../tests/support/mutate.rs"]
+mod mutate;
 mod shell;
 #[cfg(feature = "viewer")]
 mod viewer;

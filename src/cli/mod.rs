@@ -11,6 +11,7 @@ mod figures;
 mod info;
 mod interrupt;
 mod jobs;
+mod memory;
 mod outputs;
 mod pixel;
 mod progress;
@@ -79,6 +80,7 @@ enum Command {
 /// Runs the subcommand that the arguments name.
 pub(crate) fn main() -> ExitCode {
     let started = Instant::now();
+    memory::begin();
     let args = Args::parse();
     // Not by clap's own rule, which would forbid --quiet before a subcommand too.
     if args.command.is_some() && args.window != window::Args::default() {

@@ -108,15 +108,15 @@ fn change(
     params: &mut Params,
 ) -> Result<(), Failure> {
     let below = |random: &mut Random, n: usize| random.below(n as u64) as usize;
-    match random.below(16) {
-        0 => return Ok(session.pause()),
-        1 => return Ok(session.resume()),
-        2 => return Ok(session.set_limit(1 + random.below(20))),
-        3 => {
+    let what = random.below(16);
+    match what {
+        0 => session.pause(),
+        1 => session.resume(),
+        2 => session.set_limit(1 + random.below(20)),
+        3 => drop(session.snapshots().try_recv()),
+        4 => {
             session.restart();
-            return Ok(());
         }
-        4 => return Ok(drop(session.latest())),
         5 => params.model = Model::ALL[below(random, Model::ALL.len())],
         6 => params.size = [1 + random.below(200) as u32, 1 + random.below(150) as u32],
         7 => params.seed = random.below(1000),
@@ -139,6 +139,9 @@ fn change(
             let roughness = Roughness::from_alpha(alpha).map_err(Failure::new)?;
             *params = params.clone().with_roughness(roughness);
         }
+    }
+    if what < 5 {
+        return Ok(());
     }
     session.set(params.clone()).map(drop).map_err(Failure::new)
 }

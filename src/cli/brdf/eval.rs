@@ -174,12 +174,9 @@ impl ModelVisitor for &Row {
 }
 
 #[cfg(test)]
-#[path = "../../../tests/support/mutate.rs"]
-mod mutate;
-
-#[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mutate;
     /// A table and what random changes make of it: an answer for each row, or one line with the
     /// file, its line and what was expected.
     #[test]
