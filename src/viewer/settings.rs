@@ -240,6 +240,6 @@ mod tests {
             assert_eq!(Settings::read(&path), read, "{:?}", String::from_utf8_lossy(bytes));
             kept += u64::from(read != Settings::default());
         });
-        assert!(kept > 100, "{kept}");
+        assert!(kept > 20, "{kept}");
     }
 }
