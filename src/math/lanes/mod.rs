@@ -209,13 +209,15 @@ pub enum Isa {
     Portable,
     /// AVX2 with FMA.
     Avx2,
-    /// AVX-512 (F, DQ, BW, VL) with GFNI: Ice Lake, Zen 4 and later.
+    /// AVX-512 (F, DQ, BW, VL): Skylake-SP, Cascade Lake.
     Avx512,
+    /// AVX-512 with GFNI: Ice Lake, Zen 4 and later.
+    Avx512Gfni,
 }
 
 impl Isa {
     /// All of them, the plainest first.
-    pub const ALL: [Isa; 3] = [Isa::Portable, Isa::Avx2, Isa::Avx512];
+    pub const ALL: [Isa; 4] = [Isa::Portable, Isa::Avx2, Isa::Avx512, Isa::Avx512Gfni];
 
     /// The best one this machine has; asked once per tree build, not per ray.
     pub fn detect() -> Isa {
@@ -251,6 +253,7 @@ impl Isa {
             Isa::Portable => "portable",
             Isa::Avx2 => "avx2",
             Isa::Avx512 => "avx512",
+            Isa::Avx512Gfni => "avx512-gfni",
         }
     }
 }
@@ -273,6 +276,8 @@ pub fn dispatch<K: Kernel>(isa: Isa, kernel: K) -> K::Output {
         Isa::Avx2 => x86::run_avx2(kernel),
         #[cfg(target_arch = "x86_64")]
         Isa::Avx512 => x86::run_avx512(kernel),
+        #[cfg(target_arch = "x86_64")]
+        Isa::Avx512Gfni => x86::run_avx512_gfni(kernel),
         _ => run_portably(kernel),
     }
 }

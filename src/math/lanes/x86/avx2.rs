@@ -1,9 +1,9 @@
 //! Eight values in an AVX2 register.
 //!
 //! Soundness: an [`Avx2`] value can only be made by code that runs under [`run_avx2`](super::run_avx2)
-//! or [`run_avx512`](super::run_avx512), which ask the machine first; the type is private to the
-//! crate's lanes and reaches callers only as a parameter of a [`Kernel`](super::super::Kernel). Each
-//! intrinsic call below leans on that.
+//! or its wider siblings, which ask the machine first; the type is private to the crate's lanes and
+//! reaches callers only as a parameter of a [`Kernel`](super::super::Kernel). Each intrinsic call below
+//! leans on that.
 #![allow(unsafe_code)]
 
 use super::super::{Bits, Lane, Mask, Packet, Wide};
@@ -76,7 +76,7 @@ impl Shr<u32> for Avx2Bits {
 impl Bits for Avx2Bits {
     #[inline(always)]
     fn splat(x: u32) -> Avx2Bits {
-        // SAFETY: reached only as a lane type of a kernel under `run_avx2` or `run_avx512`.
+        // SAFETY: reached only as a lane type of a kernel under `run_avx2` or its siblings.
         Avx2Bits(unsafe { _mm256_set1_epi32(x as i32) })
     }
 }
@@ -120,7 +120,7 @@ impl Lane for Avx2 {
 
     #[inline(always)]
     fn splat(x: f32) -> Avx2 {
-        // SAFETY: reached only as a lane type of a kernel under `run_avx2` or `run_avx512`.
+        // SAFETY: reached only as a lane type of a kernel under `run_avx2` or its siblings.
         Avx2(unsafe { _mm256_set1_ps(x) })
     }
     #[inline(always)]
@@ -180,7 +180,7 @@ impl Wide for Avx2 {
     #[inline(always)]
     fn load(x: &[f32; 8]) -> Avx2 {
         // SAFETY: the reference is to eight readable floats; the load needs no alignment; reached
-        // only under `run_avx2` or `run_avx512`.
+        // only under `run_avx2` or its siblings.
         Avx2(unsafe { _mm256_loadu_ps(x.as_ptr()) })
     }
     #[inline(always)]
@@ -259,7 +259,7 @@ impl Packet for Avx2 {
     fn load_bits(x: &[u32]) -> Avx2Bits {
         let x = &x[..8];
         // SAFETY: the slice holds eight readable words; the load needs no alignment; reached only
-        // under `run_avx2` or `run_avx512`.
+        // under `run_avx2` or its siblings.
         Avx2Bits(unsafe { _mm256_loadu_si256(x.as_ptr().cast()) })
     }
     #[inline(always)]
@@ -271,7 +271,7 @@ impl Packet for Avx2 {
     }
     #[inline(always)]
     fn mask(bits: u32) -> Avx2Mask {
-        // SAFETY: reached only as a lane type of a kernel under `run_avx2` or `run_avx512`.
+        // SAFETY: reached only as a lane type of a kernel under `run_avx2` or its siblings.
         unsafe {
             let each = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
             let set = _mm256_and_si256(_mm256_set1_epi32(bits as i32), each);

@@ -17,7 +17,9 @@ compile_error!("the lanes of x86-64 lean on SSE2, which this build has switched 
 
 /// The best set that this machine has.
 pub(super) fn detect() -> Isa {
-    if has_avx512() {
+    if has_avx512() && has_gfni() {
+        Isa::Avx512Gfni
+    } else if has_avx512() {
         Isa::Avx512
     } else if has_avx2() {
         Isa::Avx2
@@ -37,7 +39,10 @@ fn has_avx512() -> bool {
         && is_x86_feature_detected!("avx512dq")
         && is_x86_feature_detected!("avx512bw")
         && is_x86_feature_detected!("avx512vl")
-        && is_x86_feature_detected!("gfni")
+}
+
+fn has_gfni() -> bool {
+    is_x86_feature_detected!("gfni")
 }
 
 /// Runs a kernel compiled for AVX2 and FMA; portable code where the machine lacks them.
@@ -58,14 +63,29 @@ pub(super) fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
 /// The same for AVX-512. What is eight wide stays so, in AVX2 registers.
 #[inline(always)]
 pub(super) fn run_avx512<K: Kernel>(kernel: K) -> K::Output {
-    #[target_feature(enable = "avx2,fma,avx512f,avx512dq,avx512bw,avx512vl,gfni")]
+    #[target_feature(enable = "avx2,fma,avx512f,avx512dq,avx512bw,avx512vl")]
     fn featured<K: Kernel>(kernel: K) -> K::Output {
-        kernel.run::<Avx2, Avx512>()
+        kernel.run::<Avx2, Avx512<false>>()
     }
     if has_avx512() {
         // SAFETY: the machine was just found to have these.
         unsafe { featured(kernel) }
     } else {
         run_avx2(kernel)
+    }
+}
+
+/// The same for AVX-512 with GFNI.
+#[inline(always)]
+pub(super) fn run_avx512_gfni<K: Kernel>(kernel: K) -> K::Output {
+    #[target_feature(enable = "avx2,fma,avx512f,avx512dq,avx512bw,avx512vl,gfni")]
+    fn featured<K: Kernel>(kernel: K) -> K::Output {
+        kernel.run::<Avx2, Avx512<true>>()
+    }
+    if has_avx512() && has_gfni() {
+        // SAFETY: the machine was just found to have these.
+        unsafe { featured(kernel) }
+    } else {
+        run_avx512(kernel)
     }
 }
