@@ -1,18 +1,29 @@
 //! Lanes: the number type that every formula of this crate is written over.
 //!
 //! A formula takes `L: Lane` and never branches on a value; it selects. So the same source serves
-//! one ray (`f32`, [`Lane::WIDTH`] 1), four at a time (SSE2), eight ([`F32x8`] or its twins of SSE2
-//! and AVX2) and sixteen (AVX-512).
+//! one ray (`f32`, [`Lane::WIDTH`] 1), four at a time (SSE2, NEON), eight ([`F32x8`] or its twins of
+//! SSE2, NEON and AVX2) and sixteen (AVX-512).
 //! Control flow that differs between scalar and wide code lives with its callers.
 //!
-//! This is the one module that may use `unsafe`: the instruction-set shells below it.
+//! This is the one module that may use `unsafe`: the instruction-set shells below it. It is also the one
+//! that knows which processor it is compiled for: `machine` is what that has, of one shape for all.
 
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+mod pair;
 mod portable;
 mod scalar;
 #[cfg(test)]
 mod tests;
+
+#[cfg(target_arch = "aarch64")]
+#[path = "aarch64/mod.rs"]
+mod machine;
+#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+#[path = "plain.rs"]
+mod machine;
 #[cfg(target_arch = "x86_64")]
-mod x86;
+#[path = "x86/mod.rs"]
+mod machine;
 
 pub use portable::F32x8;
 pub use scalar::U32;
@@ -201,11 +212,11 @@ pub trait Packet: Lane {
 }
 
 /// An instruction set the wide code can run on. Code that keeps off [`Lane::mul_add`] gets the same
-/// bits on all of them; AVX2 and AVX-512 give the same bits always.
+/// bits on all of them; all but the portable one, whatever the processor, give the same bits always.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Isa {
-    /// What every machine of the target has: SSE2 on x86-64, plain Rust elsewhere, with the same
-    /// bits.
+    /// What every machine of the target has, without fused sums: SSE2 on x86-64, NEON on AArch64,
+    /// plain Rust elsewhere, with the same bits.
     Portable,
     /// AVX2 with FMA.
     Avx2,
@@ -213,24 +224,23 @@ pub enum Isa {
     Avx512,
     /// AVX-512 with GFNI: Ice Lake, Zen 4 and later.
     Avx512Gfni,
+    /// NEON with fused sums, which every AArch64 has.
+    Neon,
 }
 
 impl Isa {
-    /// All of them, the plainest first.
-    pub const ALL: [Isa; 4] = [Isa::Portable, Isa::Avx2, Isa::Avx512, Isa::Avx512Gfni];
+    /// All of them, of each kind of processor the plainest first.
+    pub const ALL: [Isa; 5] = [Isa::Portable, Isa::Avx2, Isa::Avx512, Isa::Avx512Gfni, Isa::Neon];
 
     /// The best one this machine has; asked once per tree build, not per ray.
     pub fn detect() -> Isa {
-        #[cfg(target_arch = "x86_64")]
-        return x86::detect();
-        #[cfg(not(target_arch = "x86_64"))]
-        Isa::Portable
+        let best = Isa::ALL.into_iter().rfind(|&isa| machine::has(isa));
+        best.expect("every machine has the portable set")
     }
 
     /// Every set that this machine can run, the portable one first.
     pub fn available() -> Vec<Isa> {
-        let best = Isa::detect();
-        Isa::ALL.into_iter().take_while(|&isa| isa as u8 <= best as u8).collect()
+        Isa::ALL.into_iter().filter(|&isa| machine::has(isa)).collect()
     }
 
     /// How many paths are computed at a time: [`Lane::WIDTH`] of the packets that [`dispatch`] runs
@@ -254,6 +264,7 @@ impl Isa {
             Isa::Avx2 => "avx2",
             Isa::Avx512 => "avx512",
             Isa::Avx512Gfni => "avx512-gfni",
+            Isa::Neon => "neon",
         }
     }
 }
@@ -268,25 +279,8 @@ pub trait Kernel {
     fn run<W: Wide, P: Packet>(self) -> Self::Output;
 }
 
-/// Runs a kernel on `isa`, or on the portable one where the machine lacks it.
+/// Runs a kernel on `isa`, or on a plainer one where the machine lacks it.
 #[inline(always)]
 pub fn dispatch<K: Kernel>(isa: Isa, kernel: K) -> K::Output {
-    match isa {
-        #[cfg(target_arch = "x86_64")]
-        Isa::Avx2 => x86::run_avx2(kernel),
-        #[cfg(target_arch = "x86_64")]
-        Isa::Avx512 => x86::run_avx512(kernel),
-        #[cfg(target_arch = "x86_64")]
-        Isa::Avx512Gfni => x86::run_avx512_gfni(kernel),
-        _ => run_portably(kernel),
-    }
-}
-
-/// Of its own, so that each kernel is compiled once for all its callers.
-#[inline(never)]
-fn run_portably<K: Kernel>(kernel: K) -> K::Output {
-    #[cfg(target_arch = "x86_64")]
-    return kernel.run::<x86::Sse2x8, x86::Sse2>();
-    #[cfg(not(target_arch = "x86_64"))]
-    kernel.run::<F32x8, f32>()
+    machine::run(isa, kernel)
 }

@@ -4,28 +4,42 @@
 mod avx2;
 mod avx512;
 mod sse2;
-mod sse2x8;
 
-use super::{Isa, Kernel, run_portably};
+use super::pair::Pair;
+use super::{Isa, Kernel};
 use avx2::Avx2;
 use avx512::Avx512;
-pub(super) use sse2::Sse2;
-pub(super) use sse2x8::Sse2x8;
+use sse2::Sse2;
 
 #[cfg(not(target_feature = "sse2"))]
 compile_error!("the lanes of x86-64 lean on SSE2, which this build has switched off");
 
-/// The best set that this machine has.
-pub(super) fn detect() -> Isa {
-    if has_avx512() && has_gfni() {
-        Isa::Avx512Gfni
-    } else if has_avx512() {
-        Isa::Avx512
-    } else if has_avx2() {
-        Isa::Avx2
-    } else {
-        Isa::Portable
+/// Whether this machine has a set.
+pub(super) fn has(isa: Isa) -> bool {
+    match isa {
+        Isa::Portable => true,
+        Isa::Avx2 => has_avx2(),
+        Isa::Avx512 => has_avx512(),
+        Isa::Avx512Gfni => has_avx512() && has_gfni(),
+        Isa::Neon => false,
     }
+}
+
+/// Runs a kernel on a set, or on the next plainer one that the machine has.
+#[inline(always)]
+pub(super) fn run<K: Kernel>(isa: Isa, kernel: K) -> K::Output {
+    match isa {
+        Isa::Avx2 => run_avx2(kernel),
+        Isa::Avx512 => run_avx512(kernel),
+        Isa::Avx512Gfni => run_avx512_gfni(kernel),
+        Isa::Portable | Isa::Neon => run_portably(kernel),
+    }
+}
+
+/// Of its own, so that each kernel is compiled once for all its callers.
+#[inline(never)]
+fn run_portably<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run::<Pair<Sse2>, Sse2>()
 }
 
 // The standard library remembers what it found: a load and a branch each.
@@ -47,7 +61,7 @@ fn has_gfni() -> bool {
 
 /// Runs a kernel compiled for AVX2 and FMA; portable code where the machine lacks them.
 #[inline(always)]
-pub(super) fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
+fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
     #[target_feature(enable = "avx2,fma")]
     fn featured<K: Kernel>(kernel: K) -> K::Output {
         kernel.run::<Avx2, Avx2>()
@@ -62,7 +76,7 @@ pub(super) fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
 
 /// The same for AVX-512. What is eight wide stays so, in AVX2 registers.
 #[inline(always)]
-pub(super) fn run_avx512<K: Kernel>(kernel: K) -> K::Output {
+fn run_avx512<K: Kernel>(kernel: K) -> K::Output {
     #[target_feature(enable = "avx2,fma,avx512f,avx512dq,avx512bw,avx512vl")]
     fn featured<K: Kernel>(kernel: K) -> K::Output {
         kernel.run::<Avx2, Avx512<false>>()
@@ -77,7 +91,7 @@ pub(super) fn run_avx512<K: Kernel>(kernel: K) -> K::Output {
 
 /// The same for AVX-512 with GFNI.
 #[inline(always)]
-pub(super) fn run_avx512_gfni<K: Kernel>(kernel: K) -> K::Output {
+fn run_avx512_gfni<K: Kernel>(kernel: K) -> K::Output {
     #[target_feature(enable = "avx2,fma,avx512f,avx512dq,avx512bw,avx512vl,gfni")]
     fn featured<K: Kernel>(kernel: K) -> K::Output {
         kernel.run::<Avx2, Avx512<true>>()

@@ -5,6 +5,7 @@
 //! it; `x86` holds a build without it off. Each intrinsic call below leans on that.
 #![allow(unsafe_code)]
 
+use super::super::pair::Half;
 use super::super::{Bits, Lane, Mask, Packet};
 use std::arch::x86_64::*;
 use std::array::from_fn;
@@ -91,20 +92,6 @@ impl Bits for Sse2Bits {
     fn splat(x: u32) -> Sse2Bits {
         // SAFETY: every x86-64 has SSE2 (module docs).
         Sse2Bits(unsafe { _mm_set1_epi32(x as i32) })
-    }
-}
-impl Sse2Bits {
-    /// The lane that the shuffle's control names four times over, in all lanes.
-    #[inline(always)]
-    pub(super) fn every<const CONTROL: i32>(self) -> Sse2Bits {
-        // SAFETY: every x86-64 has SSE2 (module docs).
-        Sse2Bits(unsafe { _mm_shuffle_epi32::<CONTROL>(self.0) })
-    }
-    /// All ones where this is less than the other, both as signed numbers, else 0.
-    #[inline(always)]
-    pub(super) fn below(self, other: Sse2Bits) -> Sse2Bits {
-        // SAFETY: every x86-64 has SSE2 (module docs).
-        Sse2Bits(unsafe { _mm_cmplt_epi32(self.0, other.0) })
     }
 }
 impl Not for Sse2Mask {
@@ -280,6 +267,32 @@ impl Packet for Sse2 {
         Sse2::store_bits(index, &mut at);
         let found: [f32; 4] = from_fn(|lane| table[at[lane] as usize % 16]);
         Sse2::load(&found)
+    }
+}
+
+impl Half for Sse2 {
+    #[inline(always)]
+    fn each(bits: Sse2Bits) -> [Sse2Bits; 4] {
+        // SAFETY: every x86-64 has SSE2 (module docs).
+        unsafe {
+            [
+                Sse2Bits(_mm_shuffle_epi32::<0b00_00_00_00>(bits.0)),
+                Sse2Bits(_mm_shuffle_epi32::<0b01_01_01_01>(bits.0)),
+                Sse2Bits(_mm_shuffle_epi32::<0b10_10_10_10>(bits.0)),
+                Sse2Bits(_mm_shuffle_epi32::<0b11_11_11_11>(bits.0)),
+            ]
+        }
+    }
+    #[inline(always)]
+    fn count_less(total: Sse2Bits, a: Sse2Bits, b: Sse2Bits) -> Sse2Bits {
+        // All ones is -1.
+        // SAFETY: every x86-64 has SSE2 (module docs).
+        Sse2Bits(unsafe { _mm_sub_epi32(total.0, _mm_cmplt_epi32(a.0, b.0)) })
+    }
+    #[inline(always)]
+    fn prefetch_line(address: *const u8) {
+        // SAFETY: a prefetch reads nothing that the program could see and never faults.
+        unsafe { _mm_prefetch::<_MM_HINT_T1>(address.cast()) };
     }
 }
 
