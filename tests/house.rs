@@ -19,7 +19,7 @@ const MAY_KNOW: [(&str, &[&str]); 11] = [
 ];
 
 /// Foreign names with the only places that may use them.
-const ONE_PLACE: [(&str, &[&str]); 24] = [
+const ONE_PLACE: [(&str, &[&str]); 28] = [
     (
         "obvhs",
         &[
@@ -51,6 +51,11 @@ const ONE_PLACE: [(&str, &[&str]); 24] = [
     ("flip_rs", &["src/measure/flip.rs"]),
     ("plotters", &["src/measure/plot.rs"]),
     ("unsafe ", &["src/math/lanes/"]),
+    // What a processor has, and what a system: all else is the same for every machine.
+    ("target_arch", &["src/math/lanes/"]),
+    ("std::arch", &["src/math/lanes/"]),
+    ("target_os", &["src/geometry/pages.rs", "src/viewer/mod.rs"]),
+    ("dirs::", &["src/viewer/settings.rs"]),
     (
         "std::time::Instant",
         &[

@@ -3,7 +3,8 @@
 //! Rays go anywhere: in a mesh of millions nearly every step is to another page of memory, and of
 //! pages of 4 KiB the processor knows the places of a few MiB only. So arrays that are larger than
 //! that are mapped by themselves, and the system is asked for its large pages (2 MiB on x86-64)
-//! there. Where it has none, or does not map, nothing but the speed differs.
+//! there, on Linux alone: other systems give them, if at all, to programs with special rights. Where it
+//! has none, or does not map, nothing but the speed differs.
 
 use bytemuck::Pod;
 use memmap2::MmapMut;

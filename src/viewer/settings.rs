@@ -54,15 +54,7 @@ const THEMES: [(ThemePreference, &str); 3] = [
 impl Settings {
     /// Where they are kept; `None` where the system does not say.
     pub(super) fn path() -> Option<PathBuf> {
-        let var = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
-        let folder = if cfg!(windows) {
-            var("APPDATA")
-        } else if cfg!(target_os = "macos") {
-            var("HOME").map(|home| home.join("Library/Application Support"))
-        } else {
-            var("XDG_CONFIG_HOME").or_else(|| var("HOME").map(|home| home.join(".config")))
-        };
-        folder.filter(|f| f.is_absolute()).map(|f| f.join("burnish").join("window.json"))
+        dirs::config_dir().map(|folder| folder.join("burnish").join("window.json"))
     }
 
     /// What is in the file. What is missing in it, broken or out of range is as on the first day: no

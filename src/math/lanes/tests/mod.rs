@@ -3,6 +3,8 @@
 use super::{Bits, F32x8, Isa, Kernel, Lane, Mask, Packet, Wide, dispatch};
 use std::array::from_fn;
 
+mod pictures;
+
 /// One input of each kind a lane, in an order without pattern.
 fn words(salt: u32) -> [u32; 16] {
     let mut x = 0x9e37_79b9u32.wrapping_mul(salt + 1);
