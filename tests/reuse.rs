@@ -17,11 +17,20 @@ const SHARED: [Group; 3] = [Group::Sixteen, Group::SixtyFour, Group::OneTwentyEi
 
 /// Glossy and diffuse bodies that touch, a lamp that also reflects, and a sky.
 fn touching() -> Scene {
-    let mut b = SceneBuilder::new("touching");
-    let floor = Material::reflecting("floor", [0.5, 0.4, 0.3], [0.1; 3], 300.0).unwrap();
+    bodies("touching", [0.1, 300.0], 1200.0)
+}
+
+/// The same with mirrors that see each other, and a floor whose lobe is too weak to share.
+fn mirrors() -> Scene {
+    bodies("mirrors", [0.03, 12.0], 5000.0)
+}
+
+fn bodies(name: &str, [ks, exponent]: [f64; 2], sharp: f64) -> Scene {
+    let mut b = SceneBuilder::new(name);
+    let floor = Material::reflecting("floor", [0.5, 0.4, 0.3], [ks; 3], exponent).unwrap();
     let floor = b.material(floor);
     let wall = b.material(Material::reflecting("wall", [0.7, 0.7, 0.2], [0.0; 3], 1.0).unwrap());
-    let metal = b.material(Material::reflecting("metal", [0.0; 3], [0.9; 3], 2000.0).unwrap());
+    let metal = b.material(Material::reflecting("metal", [0.0; 3], [0.9; 3], sharp).unwrap());
     let lamp = Material {
         emission: [6.0, 5.0, 4.0],
         ..Material::reflecting("lamp", [0.3; 3], [0.2; 3], 40.0).unwrap()
@@ -42,7 +51,7 @@ fn touching() -> Scene {
 fn scenes() -> Vec<Scene> {
     let shipped =
         ["default", "cornell"].map(|name| Example::named(name).unwrap().read().unwrap().0.build());
-    std::iter::once(touching()).chain(shipped).collect()
+    [touching(), mirrors()].into_iter().chain(shipped).collect()
 }
 
 /// A pass of a bundle.
@@ -150,7 +159,7 @@ fn a_group_can_be_traced_again_alone() {
                 let places = start..end as usize;
                 let pixels = hand.pixels[places.clone()].to_vec();
                 let ends = vec![pixels.len() as u32];
-                let alone = Hand { pixels, ends, part: Part::Whole };
+                let alone = Hand { pixels, ends, ..Hand::default() };
                 let again = params.model.visit(Pass(&tracer, &alone, 7, &mut scratch));
                 assert!(again == together[places], "{model:?} {group:?}");
                 start = end as usize;
@@ -236,4 +245,30 @@ fn any_pixel_can_be_replayed() {
         }
     }
     assert_eq!(Replay::new(&params, [40, 0], 0), None);
+}
+
+/// So is one of a picture whose samples are planned. Where it is one cell there is nothing to choose,
+/// and it has all passes in turn.
+#[test]
+fn a_pixel_of_a_planned_picture_can_be_replayed() {
+    let passes = 24;
+    let params = Params { size: [16, 9], seed: 3, ..Params::new(Arc::new(mirrors())) };
+    for group in [None, Some(Group::None), Some(Group::Sixteen), Some(Group::OneTwentyEight)] {
+        let params = Params { group, ..params.clone() };
+        let picture = render(params.clone(), passes, 2).unwrap();
+        assert!(picture.samples().iter().all(|&n| n == passes));
+        for pixel in [[0, 0], [7, 5], [15, 8]] {
+            let mut mean = [0.0; 3];
+            for pass in 0..passes {
+                let replay = Replay::new(&params, pixel, pass).unwrap();
+                assert_eq!(replay.pixels[replay.own], pixel);
+                let sample = <[f32; 3]>::from(replay.samples[replay.own].whole);
+                mean.iter_mut().zip(sample).for_each(|(m, x)| *m += f64::from(x) / passes as f64);
+            }
+            let shown = picture.mean().pixels[(pixel[1] * 16 + pixel[0]) as usize];
+            for (x, mean) in shown.into_iter().zip(mean) {
+                assert!((f64::from(x) - mean).abs() <= 1e-6 * mean, "{group:?} {pixel:?}");
+            }
+        }
+    }
 }

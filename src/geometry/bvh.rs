@@ -5,7 +5,9 @@ use super::coincident::{self, Coincident};
 use super::extent::Extent;
 use super::pages::Pages;
 use super::pairing::{improve, pair_up};
-use super::plates::Plates;
+use super::parts::Parts;
+use super::plates::{NO_PLATE, Plates};
+use super::quadrics::Quadrics;
 use super::treelets;
 use super::triangle::Pack;
 use super::widen::Twigs;
@@ -30,6 +32,22 @@ impl Node {
         let (low, high) = ([f32::INFINITY; 8], [f32::NEG_INFINITY; 8]);
         Node { bounds: [[low, high]; 3], child: [0; 8] }
     };
+
+    /// Nodes of these boxes, eight each, which have no children.
+    pub(super) fn of_boxes(boxes: &[[V3; 2]]) -> Vec<Node> {
+        let node = |some: &[[V3; 2]]| {
+            let mut node = Node::EMPTY;
+            for (slot, corners) in some.iter().enumerate() {
+                for (side, corner) in corners.iter().enumerate() {
+                    for (axis, x) in <[f32; 3]>::from(*corner).into_iter().enumerate() {
+                        node.bounds[axis][side][slot] = x;
+                    }
+                }
+            }
+            node
+        };
+        boxes.chunks(8).map(node).collect()
+    }
 }
 
 /// What a child word names.
@@ -66,9 +84,13 @@ pub struct Bvh {
     pub(super) root: Option<u32>,
     /// Around all that is in the tree; of no meaning where there is nothing.
     pub(super) extent: Extent,
-    /// What is not in the tree, with its triangles for the exact test.
+    /// Around parts of it.
+    pub(super) parts: Parts,
+    /// What is not in the tree: large faces, with their triangles for the exact test, and a few
+    /// spheres and cylinders.
     pub(super) plates: Plates,
     pub(super) large: Vec<Pack>,
+    pub(super) quadrics: Quadrics,
     /// What lies in front where surfaces coincide.
     pub(super) coincident: Coincident,
     pub(super) isa: Isa,
@@ -80,19 +102,23 @@ impl Bvh {
     pub fn build(geometry: &Geometry) -> Bvh {
         let plates = Plates::new(geometry);
         let large: Vec<u32> = plates.triangles().collect();
+        let quadrics = Quadrics::new(geometry);
+        let outside: Vec<u32> = large.iter().copied().chain(quadrics.primitives()).collect();
         let mut bvh = Bvh {
             nodes: Pages::default(),
             packs: Pages::default(),
             root: None,
             extent: Extent::default(),
+            parts: Parts::default(),
             large: large.chunks(8).map(|ids| Pack::of(geometry, ids)).collect(),
             plates,
+            quadrics,
             coincident: Coincident::default(),
             isa: Isa::detect(),
             depth: 0,
         };
-        let is_large = |i: &u32| large.binary_search(i).is_ok();
-        let rest: Vec<u32> = (0..geometry.len() as u32).filter(|i| !is_large(i)).collect();
+        let is_outside = |i: &u32| outside.binary_search(i).is_ok();
+        let rest: Vec<u32> = (0..geometry.len() as u32).filter(|i| !is_outside(i)).collect();
         if rest.is_empty() {
             return bvh;
         }
@@ -104,6 +130,7 @@ impl Bvh {
         let whole = binary.nodes[0].aabb();
         let corners = [whole.min, whole.max].map(|v| V3::new(v.x, v.y, v.z));
         bvh.extent = Extent::from_corners(corners);
+        bvh.parts = Parts::new(&binary);
         binary.primitive_indices.par_iter_mut().for_each(|i| *i = rest[*i as usize]);
         let twigs = Twigs::new(geometry, &binary);
         drop(binary);
@@ -121,6 +148,13 @@ impl Bvh {
     /// Surfaces that coincide.
     pub(crate) fn coincident(&self) -> &Coincident {
         &self.coincident
+    }
+
+    /// The number by which rays name the surface that they leave from: of the plate or of the quadric
+    /// that a primitive is, if it is not in the tree; else [`NO_PLATE`].
+    pub(crate) fn number_of(&self, primitive: u32) -> u32 {
+        let plate = self.plates.plate_of(primitive);
+        plate.or_else(|| self.quadrics.number_of(primitive)).unwrap_or(NO_PLATE)
     }
 
     /// The instruction set that rays are traced with.

@@ -7,13 +7,16 @@
 //! that share an area have a rule of their own: the emitter is in front, else the first.
 
 mod bvh;
+mod clusters;
 mod coincident;
 mod cylinder;
 mod extent;
 mod offset;
 mod pages;
 mod pairing;
+mod parts;
 mod plates;
+mod quadrics;
 mod shading;
 mod shaft;
 mod sphere;
@@ -27,7 +30,7 @@ pub use bvh::Bvh;
 pub use cylinder::Cylinder;
 pub(crate) use extent::{Extent, Passing};
 pub use offset::offset_origin;
-pub(crate) use plates::{NO_PLATE, PlateHits};
+pub(crate) use plates::{MOST_PLATES, NO_PLATE, PlateHits};
 pub(crate) use shading::bent;
 pub(crate) use shaft::{Leaves, Rays, Shaft};
 pub use sphere::Sphere;

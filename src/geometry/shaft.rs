@@ -112,6 +112,18 @@ impl Shaft {
     }
 }
 
+impl Shaft {
+    /// Which of these nodes' boxes may reach into it: bit `8 n + i` for the `i`th of the `n`th node.
+    #[inline(always)]
+    pub(super) fn among<W: Wide>(&self, nodes: &[Node]) -> u64 {
+        let mut found = 0;
+        for (at, node) in nodes.iter().enumerate() {
+            found |= u64::from(self.test::<W>(node) & 0xff) << (8 * at);
+        }
+        found
+    }
+}
+
 /// Leaves of a tree, with their boxes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Leaves(Vec<(u32, Extent)>);
@@ -247,7 +259,8 @@ mod tests {
             soup.triangles.push([n - 3, n - 2, n - 1]);
         }
         b.mesh(&soup, DAffine3::IDENTITY, clay).unwrap();
-        for _ in 0..20 {
+        // More than are taken out of the tree.
+        for _ in 0..40 {
             b.sphere(point(1.0), 0.03, clay).unwrap();
         }
         b.build()

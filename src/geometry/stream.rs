@@ -181,10 +181,10 @@ impl Bvh {
         stack: &mut Stack,
         hits: &mut Vec<Option<Hit>>,
     ) {
-        let (plates, answers) = (true, hits);
+        let (outside, answers) = (true, hits);
         dispatch(
             self.isa,
-            Each::<Nearest> { bvh: self, geometry, queries, plates, stack, answers },
+            Each::<Nearest> { bvh: self, geometry, queries, outside, stack, answers },
         );
     }
 
@@ -196,36 +196,36 @@ impl Bvh {
         stack: &mut Stack,
         occluded: &mut Vec<bool>,
     ) {
-        let (plates, answers) = (true, occluded);
-        dispatch(self.isa, Each::<Any> { bvh: self, geometry, queries, plates, stack, answers });
+        let (outside, answers) = (true, occluded);
+        dispatch(self.isa, Each::<Any> { bvh: self, geometry, queries, outside, stack, answers });
     }
 
-    /// [`Bvh::closest_each`] among what is not a plate, for callers that run under an instruction
+    /// [`Bvh::closest_each`] among what the tree holds, for callers that run under an instruction
     /// set already.
     #[inline(always)]
-    pub(crate) fn closest_each_but_plates<W: Wide>(
+    pub(crate) fn closest_each_in_tree<W: Wide>(
         &self,
         geometry: &Geometry,
         queries: &[Query],
         stack: &mut Stack,
         hits: &mut Vec<Option<Hit>>,
     ) {
-        let (plates, answers) = (false, hits);
-        Each::<Nearest> { bvh: self, geometry, queries, plates, stack, answers }.answer::<W>();
+        let (outside, answers) = (false, hits);
+        Each::<Nearest> { bvh: self, geometry, queries, outside, stack, answers }.answer::<W>();
     }
 
-    /// [`Bvh::occluded_each`] by what is not a plate, for callers that run under an instruction set
+    /// [`Bvh::occluded_each`] by what the tree holds, for callers that run under an instruction set
     /// already.
     #[inline(always)]
-    pub(crate) fn occluded_each_but_plates<W: Wide>(
+    pub(crate) fn occluded_each_in_tree<W: Wide>(
         &self,
         geometry: &Geometry,
         queries: &[Query],
         stack: &mut Stack,
         occluded: &mut Vec<bool>,
     ) {
-        let (plates, answers) = (false, occluded);
-        Each::<Any> { bvh: self, geometry, queries, plates, stack, answers }.answer::<W>();
+        let (outside, answers) = (false, occluded);
+        Each::<Any> { bvh: self, geometry, queries, outside, stack, answers }.answer::<W>();
     }
 }
 
@@ -234,8 +234,8 @@ struct Each<'a, G: Goal> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
     queries: &'a [Query],
-    /// Whether plates count.
-    plates: bool,
+    /// Whether what is not in the tree counts.
+    outside: bool,
     stack: &'a mut Stack,
     answers: &'a mut Vec<G::Answer>,
 }
@@ -269,7 +269,8 @@ impl<G: Goal> Each<'_, G> {
     #[inline(always)]
     fn one_by_one<W: Wide>(&mut self) {
         for (at, Query { ray, t_max }) in self.queries.iter().enumerate() {
-            if let Some(ready) = self.bvh.make_ready::<W>(ray, *t_max, self.plates) {
+            let ready = self.bvh.make_ready::<W>(self.geometry, ray, *t_max, self.outside);
+            if let Some(ready) = ready {
                 self.answers[at] = G::alone::<W>(self, ray, &ready);
             }
         }
@@ -277,11 +278,12 @@ impl<G: Goal> Each<'_, G> {
 
     #[inline(always)]
     fn in_turn<W: Wide>(&mut self) {
-        let Each { bvh, geometry, queries, plates, stack, answers } = self;
-        let (bvh, geometry, queries, plates) = (*bvh, *geometry, *queries, *plates);
+        let Each { bvh, geometry, queries, outside, stack, answers } = self;
+        let (bvh, geometry, queries, outside) = (*bvh, *geometry, *queries, *outside);
         let (nodes, packs) = (&bvh.nodes[..], &bvh.packs[..]);
         let Streams { travellers, enter: distances, words } = &mut stack.1;
-        let mut source = Source::<G> { bvh, queries, plates, next: 0, goal: PhantomData };
+        let mut source =
+            Source::<G> { bvh, geometry, queries, outside, next: 0, goal: PhantomData };
         let mut groups = [Lists::default(); 2];
         let mut active = 0;
         for (who, traveller) in travellers.iter_mut().enumerate() {
@@ -370,17 +372,21 @@ impl<G: Goal> Each<'_, G> {
 impl Bvh {
     /// `None` for rays that hit nothing.
     #[inline(always)]
-    fn make_ready<W: Wide>(&self, ray: &Ray, t_max: f32, plates: bool) -> Option<Ready> {
+    fn make_ready<W: Wide>(
+        &self,
+        geometry: &Geometry,
+        ray: &Ray,
+        t_max: f32,
+        outside: bool,
+    ) -> Option<Ready> {
         // No hit is at a distance below 0, and comparing with NaN would find no end.
         if !is_traceable(ray) || t_max.is_nan() || t_max <= 0.0 {
             return None;
         }
         let sheared = Sheared::new(ray.o, ray.d);
         let mut best = Hit { t: t_max, primitive: NOTHING, b: [0.0; 2] };
-        if plates {
-            for pack in &self.large {
-                take_nearest::<W>(&mut best, pack, &sheared);
-            }
+        if outside {
+            self.take_outside::<W>(geometry, ray, &sheared, &mut best);
         }
         Some(Ready { sheared, best })
     }
@@ -389,8 +395,9 @@ impl Bvh {
 /// Queries not yet on their way.
 struct Source<'a, G> {
     bvh: &'a Bvh,
+    geometry: &'a Geometry,
     queries: &'a [Query],
-    plates: bool,
+    outside: bool,
     next: usize,
     goal: PhantomData<G>,
 }
@@ -402,10 +409,8 @@ impl<G: Goal> Source<'_, G> {
         while let Some(Query { ray, t_max }) = self.queries.get(self.next) {
             let query = self.next;
             self.next += 1;
-            let Some(Ready { sheared, best }) = self.bvh.make_ready::<W>(ray, *t_max, self.plates)
-            else {
-                continue;
-            };
+            let ready = self.bvh.make_ready::<W>(self.geometry, ray, *t_max, self.outside);
+            let Some(Ready { sheared, best }) = ready else { continue };
             let Some(word) = self.bvh.root.filter(|_| !G::ANY || best.primitive == NOTHING) else {
                 answers[query] = G::answer(best);
                 continue;

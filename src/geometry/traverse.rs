@@ -4,6 +4,8 @@ use super::bvh::{Bvh, Child, Node, child};
 use super::extent::Passing;
 use super::offset::ROUNDING;
 use super::plates::Plates;
+use super::quadrics::Quadrics;
+use super::shaft::Shaft;
 use super::stream::Streams;
 use super::triangle::{self, Pack, Sheared};
 use super::{Geometry, Hit, Kind};
@@ -156,16 +158,33 @@ impl Bvh {
         }
         let sheared = Sheared::new(ray.o, ray.d);
         let mut best = Hit { t: t_max, primitive: u32::MAX, b: [0.0; 2] };
-        for pack in &self.large {
-            take_nearest::<W>(&mut best, pack, &sheared);
-        }
+        self.take_outside::<W>(geometry, ray, &sheared, &mut best);
         let hit = self.closest_in_tree::<W>(geometry, ray, &sheared, best, stack);
         self.in_front(geometry, ray, hit)
     }
 
+    /// Takes the nearer of the best hit so far and what is not in the tree.
+    #[inline(always)]
+    pub(super) fn take_outside<W: Wide>(
+        &self,
+        geometry: &Geometry,
+        ray: &Ray,
+        sheared: &Sheared,
+        best: &mut Hit,
+    ) {
+        for pack in &self.large {
+            take_nearest::<W>(best, pack, sheared);
+        }
+        for primitive in self.quadrics.primitives() {
+            if let Some(t) = quadric(geometry, primitive, ray, best.t) {
+                take_nearer(best, t, primitive, [0.0; 2]);
+            }
+        }
+    }
+
     /// The hit, or what coincides with it and lies in front.
     #[inline(always)]
-    pub(super) fn in_front(&self, geometry: &Geometry, ray: &Ray, hit: Option<Hit>) -> Option<Hit> {
+    pub(crate) fn in_front(&self, geometry: &Geometry, ray: &Ray, hit: Option<Hit>) -> Option<Hit> {
         match hit {
             Some(hit) if self.coincident.may_be_behind(hit.primitive) => {
                 Some(self.coincident.foremost(geometry, ray, hit))
@@ -298,6 +317,11 @@ impl Bvh {
                 return true;
             }
         }
+        for primitive in self.quadrics.primitives() {
+            if quadric(geometry, primitive, ray, t_max).is_some() {
+                return true;
+            }
+        }
         self.occluded_in_tree::<W>(geometry, ray, &sheared, t_max, stack)
     }
 
@@ -354,12 +378,52 @@ impl Bvh {
         &self.plates
     }
 
+    /// The few spheres and cylinders that are not in the tree.
+    pub(crate) fn quadrics(&self) -> &Quadrics {
+        &self.quadrics
+    }
+
+    /// Whether there is anything but plates.
+    pub(crate) fn has_others(&self) -> bool {
+        self.root.is_some() || !self.quadrics.is_empty()
+    }
+
+    /// The distance at which a ray meets a sphere or cylinder, in (0, t_max].
+    #[inline(always)]
+    pub(crate) fn quadric(
+        &self,
+        geometry: &Geometry,
+        primitive: u32,
+        ray: &Ray,
+        t_max: f32,
+    ) -> Option<f32> {
+        if is_traceable(ray) { quadric(geometry, primitive, ray, t_max) } else { None }
+    }
+
     /// Which of the rays may meet what is in the tree before `t_max`.
     #[inline(always)]
     pub(crate) fn meets_tree<P: Packet>(&self, rays: &Passing<P>, t_max: P) -> P::Mask {
         if self.root.is_none() {
             return P::mask(0);
         }
-        rays.meet(&self.extent, t_max)
+        let all = rays.meet(&self.extent, t_max);
+        if all.any() { all & self.parts.meet(rays, t_max) } else { all }
+    }
+
+    /// Which parts of the tree may reach into a shaft.
+    #[inline(always)]
+    pub(crate) fn parts_within<W: Wide>(&self, shaft: &Shaft) -> u64 {
+        self.parts.within::<W>(shaft)
+    }
+
+    /// Which of the rays may meet these parts of the tree before `t_max`.
+    #[inline(always)]
+    pub(crate) fn meets_parts<P: Packet>(
+        &self,
+        which: u64,
+        rays: &Passing<P>,
+        t_max: P,
+    ) -> P::Mask {
+        self.parts.meet_some(which, rays, t_max)
     }
 }

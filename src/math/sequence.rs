@@ -76,11 +76,36 @@ fn sobol_1_reversed<B: Bits>(index: B) -> B {
     step(x, 8, 0x00ff)
 }
 
-/// The stream of one path (or of a lane's worth of paths).
+/// What the streams of all pixels have in common in one pass.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct PassKey {
+    /// Tells seeds, replicates and blocks of 65,536 passes apart.
+    pub(crate) salt: u32,
+    /// Which point of the sequence, in 16 bits.
+    pub(crate) index: u32,
+}
+
+impl PassKey {
+    /// Of `pass`, from 0.
+    #[inline(always)]
+    pub(crate) fn new(seed: u64, pass: u64) -> PassKey {
+        let replicate = (pass % REPLICATES as u64) as u32;
+        let block = ((pass / REPLICATES as u64) >> 16) as u32;
+        // Equal for all pixels of a pass; mix is a bijection, so no two pixels share a key.
+        let mut salt = mix_u32(seed as u32);
+        salt = mix_u32(salt ^ (seed >> 32) as u32 ^ 0x9e37_79b9);
+        salt = mix_u32(salt.wrapping_add(block));
+        salt = mix_u32(salt ^ (replicate << 28 | 0x0123_4567));
+        PassKey { salt, index: (pass / REPLICATES as u64) as u32 & 0xffff }
+    }
+}
+
+/// The stream of one path (or of a lane's worth of paths, each of a pixel and a pass of its own).
 #[derive(Clone, Copy, Debug)]
 pub struct Stream<B> {
     key: B,
-    /// The index's 16 bits, reversed.
+    /// Which point of the sequence, in 16 bits, and these reversed.
+    index: B,
     reversed: B,
 }
 
@@ -89,35 +114,41 @@ impl<B: Bits> Stream<B> {
     /// below 65,536.
     #[inline(always)]
     pub fn new(seed: u64, x: B, y: B, pass: u64) -> Stream<B> {
-        let replicate = (pass % REPLICATES as u64) as u32;
-        let block = ((pass / REPLICATES as u64) >> 16) as u32;
-        // Equal for all pixels of a pass; mix is a bijection, so no two pixels share a key.
-        let mut salt = mix_u32(seed as u32);
-        salt = mix_u32(salt ^ (seed >> 32) as u32 ^ 0x9e37_79b9);
-        salt = mix_u32(salt.wrapping_add(block));
-        salt = mix_u32(salt ^ (replicate << 28 | 0x0123_4567));
-        let pixel = mix((y << 16) | x);
-        Stream::again(mix(pixel ^ B::splat(salt)), pass)
+        let PassKey { salt, index } = PassKey::new(seed, pass);
+        Stream::of_pixels(x, y, B::splat(salt), B::splat(index))
     }
 
-    /// The stream that has this [`Stream::key`] in `pass`.
+    /// The streams of these pixels in passes with these [keys](PassKey).
     #[inline(always)]
-    pub(crate) fn again(key: B, pass: u64) -> Stream<B> {
-        let index = (pass / REPLICATES as u64) as u32 & 0xffff;
-        Stream { key, reversed: B::splat(index.reverse_bits() >> 16) }
+    pub(crate) fn of_pixels(x: B, y: B, salt: B, index: B) -> Stream<B> {
+        Stream::again(mix(mix((y << 16) | x) ^ salt), index)
     }
 
-    /// Where a pass takes `count` pairs of a slot's sequence instead of one: the stream that has the
-    /// `which`th of them, from 0. Together they go through the sequence without a gap.
+    /// The stream that has this [`Stream::key`] at this point of the sequence.
     #[inline(always)]
-    pub(crate) fn one_of(&self, count: u32, which: u32, pass: u64) -> Stream<B> {
+    pub(crate) fn again(key: B, index: B) -> Stream<B> {
+        Stream { key, index, reversed: index.reverse_bits() >> 16 }
+    }
+
+    /// Where a pass takes `count` pairs of a slot's sequence instead of one, up to 8: the stream that
+    /// has the `which`th of them, from 0. Together they go through the sequence without a gap.
+    #[inline(always)]
+    pub(crate) fn one_of(&self, count: u32, which: u32) -> Stream<B> {
         if count == 1 {
             return *self;
         }
-        let index = ((pass / REPLICATES as u64) & 0xffff) as u32 * count + which;
-        // Beyond the sequence's end a new randomisation begins.
-        let key = if index > 0xffff { mix(self.key ^ B::splat(index >> 16)) } else { self.key };
-        Stream { key, reversed: B::splat((index & 0xffff).reverse_bits() >> 16) }
+        let index = self.index * B::splat(count) + B::splat(which);
+        // Beyond the sequence's end a new randomisation begins: all ones where that is so.
+        let (round, one) = (index >> 16, B::splat(1));
+        let beyond = B::splat(0) - ((round | (round >> 1) | (round >> 2)) & one);
+        let key = self.key ^ ((mix(self.key ^ round) ^ self.key) & beyond);
+        Stream::again(key, index & B::splat(0xffff))
+    }
+
+    /// Which point of the sequence it is at.
+    #[inline(always)]
+    pub(crate) fn index(&self) -> B {
+        self.index
     }
 
     /// What tells it from other pixels' streams in its pass.

@@ -89,8 +89,72 @@ pub struct Hand {
     pub pixels: Vec<[u32; 2]>,
     /// Where each group of them ends; nothing where no pixels share.
     pub ends: Vec<u32>,
+    /// Where the pixels of each pass end, and the passes; nothing where all are of one that is told
+    /// otherwise. No group is of two passes.
+    pub passes: Vec<(u32, u64)>,
     /// Which light is wanted.
     pub part: Part,
+}
+
+/// Deals the pixels of a small rectangle by themselves, columns and rows of which are given, into
+/// groups that are all of it: adds them to a hand as those of `pass`. The groups are rectangles that
+/// lie elsewhere in every pass; what reaches over an edge goes on at the opposite one.
+pub fn deal_cell([xs, ys]: [Range<u32>; 2], seed: u64, pass: u64, group: Group, hand: &mut Hand) {
+    let (width, height) = (xs.end - xs.start, ys.end - ys.start);
+    let hash = |salt: u32, x: u32| mix(U32(salt ^ x)).0;
+    let words = [seed as u32, (seed >> 32) as u32, pass as u32, (pass >> 32) as u32];
+    let words = words.into_iter().chain([xs.start, ys.start]);
+    let salt = words.fold(0x6365_6c6c, hash);
+    let offset = [hash(salt, 1) % width.max(1), hash(salt, 2) % height.max(1)];
+    // In a narrow rectangle groups are as many pixels, if not as wide.
+    let across = group.shape()[0].min(width).max(1);
+    let down = (group.paths() / across).clamp(1, height.max(1));
+    for top in (0..height).step_by(down as usize) {
+        for left in (0..width).step_by(across as usize) {
+            for y in top..(top + down).min(height) {
+                for x in left..(left + across).min(width) {
+                    let (x, y) = ((x + offset[0]) % width, (y + offset[1]) % height);
+                    hand.pixels.push([xs.start + x, ys.start + y]);
+                }
+            }
+            if group != Group::None {
+                hand.ends.push(hand.pixels.len() as u32);
+            }
+        }
+    }
+    hand.passes.push((hand.pixels.len() as u32, pass));
+}
+
+impl Hand {
+    /// The group that a pixel of a hand is in, as a hand of its own; the pixel alone if none share.
+    pub fn group_of(&self, pixel: [u32; 2]) -> Hand {
+        let at = self.pixels.iter().position(|&p| p == pixel).unwrap_or(0);
+        let which = self.ends.partition_point(|&end| end as usize <= at);
+        let Some(&end) = self.ends.get(which) else {
+            return Hand { pixels: vec![pixel], ..Hand::default() };
+        };
+        let start = which.checked_sub(1).map_or(0, |before| self.ends[before] as usize);
+        let pixels = self.pixels[start..end as usize].to_vec();
+        Hand { ends: vec![pixels.len() as u32], pixels, ..Hand::default() }
+    }
+
+    /// Takes all pixels out.
+    pub fn clear(&mut self) {
+        self.pixels.clear();
+        self.ends.clear();
+        self.passes.clear();
+    }
+
+    /// Places and their passes: `pass` where it has none of its own.
+    pub(super) fn passes(&self, pass: u64) -> impl Iterator<Item = (Range<usize>, u64)> {
+        let one = self.passes.is_empty().then_some((self.pixels.len() as u32, pass));
+        let mut start = 0;
+        self.passes.iter().copied().chain(one).map(move |(end, pass)| {
+            let places = start..end as usize;
+            start = end as usize;
+            (places, pass)
+        })
+    }
 }
 
 /// Light by the way it came.
@@ -139,8 +203,7 @@ impl Deal {
 
     /// The pixels of the bundle in this column and row. Every pixel is in one bundle.
     pub fn bundle(&self, at: [u32; 2], hand: &mut Hand) {
-        hand.pixels.clear();
-        hand.ends.clear();
+        hand.clear();
         let [across, down] = self.group.shape();
         if self.group == Group::None {
             let [xs, ys] =
@@ -176,11 +239,7 @@ impl Deal {
         }
         let mut hand = Hand::default();
         self.bundle(self.bundle_of(pixel), &mut hand);
-        let at = hand.pixels.iter().position(|&p| p == pixel).unwrap_or(0);
-        let which = hand.ends.partition_point(|&end| end as usize <= at);
-        let start = which.checked_sub(1).map_or(0, |before| hand.ends[before] as usize);
-        let pixels = hand.pixels[start..hand.ends[which] as usize].to_vec();
-        Hand { ends: vec![pixels.len() as u32], pixels, part: Part::Whole }
+        hand.group_of(pixel)
     }
 
     /// Columns or rows of the picture that some of the grid are.

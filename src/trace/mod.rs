@@ -18,7 +18,7 @@ use crate::brdf::{Erratum, Lobes, Model, Normals};
 use crate::geometry::Stack;
 use crate::math::{Lane, Rgb};
 use crate::scene::{Camera, CameraRays, Material, Scene};
-pub use deal::{Deal, Group, Hand, Part};
+pub use deal::{Deal, Group, Hand, Part, deal_cell};
 use engine::{Bundle, Tables};
 pub use engine::{FirstHits, Round};
 use lights::Lights;
@@ -210,8 +210,12 @@ pub struct Effort {
     pub asked: u64,
     /// Pairs of first and second points of paths that share.
     pub pairs: u64,
+    /// Evaluations of a specular lobe for those.
+    pub glossy: u64,
     /// Rays between those that were traced.
     pub joined: u64,
+    /// Spheres, cylinders and parts of the tree that these were held against.
+    pub held: u64,
     /// Of those, the ones that went through the tree.
     pub between: u64,
     /// Rays of other kinds that went through the tree: that met its box, or for which the quick test
@@ -228,7 +232,9 @@ impl Effort {
             (self.nearest, 55.0),
             (self.asked, 20.0),
             (self.pairs, 1.4),
+            (self.glossy, 4.0),
             (self.joined, 1.6),
+            (self.held, 1.4),
             (self.between, tree),
             (self.alone, tree),
         ];

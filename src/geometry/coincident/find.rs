@@ -21,7 +21,8 @@ pub(crate) fn find(bvh: &Bvh, geometry: &Geometry, emits: &dyn Fn(u32) -> bool) 
     let steps = STEPS * geometry.len() + LEAST;
     let kinds = vec![Kinds::NONE; bvh.nodes.len()];
     let mut search = Search { bvh, geometry, emits, kinds, steps, found: Vec::new() };
-    let large: Vec<u32> = bvh.plates.triangles().collect();
+    // What is not in the tree.
+    let large: Vec<u32> = bvh.plates.triangles().chain(bvh.quadrics.primitives()).collect();
     for (i, &a) in large.iter().enumerate() {
         for &b in &large[i + 1..] {
             search.compare(a, b);

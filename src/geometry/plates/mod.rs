@@ -7,7 +7,6 @@
 //! same distance, are marked as open, and the exact test decides about them. So no hit depends on
 //! the quick one.
 
-mod clusters;
 mod face;
 mod hull;
 mod pick;
@@ -15,18 +14,18 @@ mod pick;
 mod tests;
 
 use super::Geometry;
+use super::clusters::{self, Cluster};
 use super::extent::Passing;
 use super::offset::ROUNDING;
 use crate::math::V3;
 use crate::math::lanes::{Bits, Mask, Packet};
-use clusters::Cluster;
 use face::{Line, Plate, Sides, Strip, Way, dot};
 use hull::Hull;
 
 /// A plate that is none.
 pub(crate) const NO_PLATE: u32 = u32::MAX;
 /// Most plates of a scene.
-const MOST: usize = 64;
+pub(crate) const MOST_PLATES: usize = 64;
 /// Roundings of 1 + the origin's largest coordinate that decisions keep clear of, across a plane.
 const CLEARANCE: f32 = 64.0;
 /// What is this far to one side of a plate does not meet it: several times the clearance above for
@@ -47,6 +46,8 @@ pub(crate) struct Plates {
     lone: Vec<u32>,
     /// The inner ones by component, for [`Plates::between`].
     shades: Box<Shades>,
+    /// The places of plates among the inner ones, as bits.
+    bits: Vec<u64>,
     /// Triangles and their plates, by triangle.
     plate_of: Vec<(u32, u32)>,
 }
@@ -55,14 +56,14 @@ pub(crate) struct Plates {
 /// highest corner.
 #[derive(Clone, Debug)]
 struct Shades {
-    n: [[f32; MOST]; 3],
-    d: [f32; MOST],
-    bounds: [[[f32; MOST]; 3]; 2],
+    n: [[f32; MOST_PLATES]; 3],
+    d: [f32; MOST_PLATES],
+    bounds: [[[f32; MOST_PLATES]; 3]; 2],
 }
 
 impl Default for Shades {
     fn default() -> Shades {
-        let zero = [0.0; MOST];
+        let zero = [0.0; MOST_PLATES];
         Shades { n: [zero; 3], d: zero, bounds: [[zero; 3]; 2] }
     }
 }
@@ -118,7 +119,9 @@ impl Plates {
         let pieces: Vec<_> = inner.iter().map(|&at| (at, bounds(at))).collect();
         let (clusters, lone) = clusters::gather(&pieces, all);
         let hull = Hull::new(geometry, &plates, &outer);
-        Plates { plates, outer, hull, inner, clusters, lone, shades, plate_of }
+        let mut bits = vec![0; plates.len()];
+        (0..).zip(&inner).for_each(|(i, &at): (u32, _)| bits[at as usize] = 1 << i);
+        Plates { plates, outer, hull, inner, clusters, lone, shades, bits, plate_of }
     }
 
     /// Which of the inner plates may be met on the way from a point to any point of a box, given by
@@ -133,7 +136,7 @@ impl Plates {
         let Shades { n, d, bounds } = &*self.shades;
         let mut found = 0;
         for at in (0..self.inner.len()).step_by(P::WIDTH) {
-            let load = |rows: &[[f32; MOST]; 3]| {
+            let load = |rows: &[[f32; MOST_PLATES]; 3]| {
                 V3::new(P::load(&rows[0][at..]), P::load(&rows[1][at..]), P::load(&rows[2][at..]))
             };
             let (n, d) = (load(n), P::load(&d[at..]));
@@ -157,15 +160,21 @@ impl Plates {
         found
     }
 
+    /// The bit that [`Plates::between`] has for a plate, if it has one.
+    #[inline(always)]
+    pub(crate) fn bit_of(&self, plate: u32) -> u64 {
+        self.bits.get(plate as usize).copied().unwrap_or(0)
+    }
+
     /// The triangles that belong to plates, in order.
     pub(super) fn triangles(&self) -> impl Iterator<Item = u32> {
         self.plate_of.iter().map(|(triangle, _)| *triangle)
     }
 
-    /// The plate that a primitive belongs to, or [`NO_PLATE`].
-    pub(crate) fn plate_of(&self, primitive: u32) -> u32 {
+    /// The plate that a primitive belongs to, if any.
+    pub(super) fn plate_of(&self, primitive: u32) -> Option<u32> {
         let found = self.plate_of.binary_search_by_key(&primitive, |(triangle, _)| *triangle);
-        found.map_or(NO_PLATE, |i| self.plate_of[i].1)
+        found.ok().map(|i| self.plate_of[i].1)
     }
 
     /// The nearest plates that rays meet, but for the one each leaves from.
@@ -193,7 +202,7 @@ impl Plates {
         }
         for cluster in &self.clusters {
             if passing.meet(&cluster.extent, hits.t + hits.within).any() {
-                for &at in &cluster.plates {
+                for &at in &cluster.members {
                     self.take_nearer(at, &mut hits, (o, d), from, clearance);
                 }
             }
@@ -257,7 +266,7 @@ impl Plates {
             if !(passing.meet(&cluster.extent, t_max) & live).any() {
                 continue;
             }
-            for &at in &cluster.plates {
+            for &at in &cluster.members {
                 live = live & !self.shade(at, &mut shadow, (o, d, t_max), ends, clearance);
             }
         }

@@ -1,7 +1,7 @@
 //! Which faces of a scene are plates: the largest triangles, joined two by two where they make a
 //! convex quadrilateral.
 
-use super::{Line, MOST, Plate, Sides, Strip};
+use super::{Line, MOST_PLATES, Plate, Sides, Strip};
 use crate::geometry::offset::ROUNDING;
 use crate::geometry::{Geometry, Kind};
 use crate::math::V3;
@@ -21,11 +21,11 @@ pub(super) const FLAT: f64 = 4.0 * ROUNDING as f64;
 pub(super) fn pick(geometry: &Geometry) -> Vec<Plate> {
     let mut candidates = candidates(geometry);
     candidates.sort_by(|a, b| b.area.total_cmp(&a.area).then(a.triangle.cmp(&b.triangle)));
-    candidates.truncate(2 * MOST);
+    candidates.truncate(2 * MOST_PLATES);
     let mut plates = Vec::new();
     let mut used = vec![false; candidates.len()];
     for i in 0..candidates.len() {
-        if used[i] || plates.len() == MOST {
+        if used[i] || plates.len() == MOST_PLATES {
             continue;
         }
         used[i] = true;

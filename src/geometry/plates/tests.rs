@@ -128,7 +128,7 @@ fn rays(scene: &Scene, numbers: &mut Numbers) -> Vec<Segment> {
         }
         let ng = if start.ng.dot(wi) < 0.0 { -start.ng } else { start.ng };
         let o = offset_origin(start.p, start.error, ng, wi);
-        let from = plates.plate_of(here as u32);
+        let from = plates.plate_of(here as u32).unwrap_or(NO_PLATE);
         if rays.len() % 2 == 0 {
             // Some from outside.
             let far = if rays.len() % 32 < 4 { 3.0 } else { 0.9 };
@@ -140,7 +140,7 @@ fn rays(scene: &Scene, numbers: &mut Numbers) -> Vec<Segment> {
             rays.push((Ray { o, d: wi }, f32::INFINITY, [from, NO_PLATE]));
         } else {
             let d = offset_origin(target.p, target.error, target.ng, -wi) - o;
-            let to = plates.plate_of(there as u32);
+            let to = plates.plate_of(there as u32).unwrap_or(NO_PLATE);
             rays.push((Ray { o, d }, 1.0 - 16.0 * f32::EPSILON, [from, to]));
         }
     }
@@ -213,8 +213,8 @@ fn faces_of_a_box_are_joined_and_its_hull_is_known() {
     assert_eq!(plates.inner.len(), 6);
     assert_eq!(plates.triangles().collect::<Vec<_>>(), (0..24).collect::<Vec<_>>());
     for triangle in 0..24 {
-        let plate = plates.plate_of(triangle);
+        let plate = plates.plate_of(triangle).unwrap();
         assert!(plates.plates[plate as usize].triangles.contains(&triangle));
     }
-    assert_eq!(plates.plate_of(24), NO_PLATE);
+    assert_eq!(plates.plate_of(24), None);
 }

@@ -45,7 +45,7 @@ pub(super) struct FirstPoints<'a, P: Packet> {
     pub(super) receiver: &'a Receiver<P>,
     pub(super) plate: P::Bits,
     pub(super) slot: P::Bits,
-    pub(super) key: P::Bits,
+    pub(super) stream: &'a Stream<P::Bits>,
 }
 
 impl Tracer {
@@ -77,7 +77,7 @@ impl Tracer {
         live: P::Mask,
         [x, y]: [P; 2],
         side: P,
-        (slot, stream, pass): (P::Bits, &Stream<P::Bits>, u64),
+        (slot, stream): (P::Bits, &Stream<P::Bits>),
     ) -> P {
         let one = P::splat(1.0);
         let (eye, half) = (self.camera.eye().splat_lanes::<P>(), P::splat(0.5));
@@ -93,7 +93,7 @@ impl Tracer {
         }
         let part = P::select(near, P::splat(1.0 / LOOKS as f32), one);
         for which in 0..FURTHER {
-            let stream = stream.one_of(FURTHER as u32, which as u32, pass);
+            let stream = stream.one_of(FURTHER as u32, which as u32);
             let [dx, dy] = pair::<P>(&stream, Slot::LOOK_CAMERA);
             let d = self.camera.direction((x + dx) * side, (y + dy) * side);
             let (rays, end) = (&mut further.rounds[which], further.counts[which]);
@@ -103,6 +103,7 @@ impl Tracer {
             rays.part.push::<P>(end, near, part);
             rays.plate.push::<P>(end, near, P::Bits::splat(NO_PLATE));
             rays.slot.push::<P>(end, near, slot);
+            rays.lead.push::<P>(end, near, P::Bits::splat(0));
             further.counts[which] += near.bits().count_ones() as usize;
         }
         part
@@ -128,12 +129,11 @@ impl Tracer {
         which_points: P::Mask,
         from: &FirstPoints<P>,
         beta: Rgb<P>,
-        pass: u64,
     ) {
-        let FirstPoints { point, frame, view, receiver, plate, slot, key } = *from;
+        let FirstPoints { point, frame, view, receiver, plate, slot, stream } = *from;
         let part = P::splat(1.0 / LOOKS as f32);
         for which in 0..FURTHER {
-            let stream = Stream::again(key, pass).one_of(FURTHER as u32, which as u32, pass);
+            let stream = stream.one_of(FURTHER as u32, which as u32);
             let [lobe_choice, _] = stream.pair_bits(Slot::LOOK_CHOICE);
             let u = pair::<P>(&stream, Slot::LOOK_DIRECTION);
             let next = view.sample::<M>(unit::<P>(lobe_choice), u);
@@ -146,7 +146,9 @@ impl Tracer {
             let o = offset_origin(point.p, point.error, point.ng, d);
             let goes = goes & self.lights.may_be_met(o, d);
             let pdf = next.pdf;
-            let way = Leaving { o, d, beta, pdf, part, cos, receiver, plate, slot, key };
+            let stream = from.stream;
+            let lead = P::Bits::splat(0);
+            let way = Leaving { o, d, beta, pdf, part, cos, receiver, plate, slot, lead, stream };
             let (rays, end) = (&mut further.rounds[which], further.counts[which]);
             further.counts[which] += rays.push::<P>(end, goes, &way, &self.lights, 0);
         }
@@ -167,14 +169,13 @@ pub(super) struct Look<'a, M> {
     pub(super) bundle: &'a mut Bundle,
     /// What they arrive at.
     pub(super) event: u32,
-    pub(super) pass: u64,
     pub(super) stack: &'a mut Stack,
     pub(super) model: PhantomData<M>,
 }
 
 impl<M: Microfacet> Look<'_, M> {
     pub(super) fn run(self, rays: &mut u64, effort: &mut Effort, watch: Watch) {
-        let Look { tracer, bundle, event, pass, stack, model } = self;
+        let Look { tracer, bundle, event, stack, model } = self;
         let isa = tracer.scene.bvh().isa();
         for round in 0..FURTHER {
             let count = take(&mut bundle.further.counts[round]);
@@ -186,7 +187,7 @@ impl<M: Microfacet> Look<'_, M> {
             *rays += count as u64;
             effort.nearest += count as u64;
             watch(Stage::Trace, count);
-            dispatch(isa, Shade { tracer, bundle, count, event, pass, last: true, model });
+            dispatch(isa, Shade { tracer, bundle, count, event, last: true, model });
             watch(Stage::Shade, count);
             swap(&mut bundle.paths, &mut bundle.further.rounds[round]);
         }

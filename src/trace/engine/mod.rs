@@ -19,9 +19,9 @@ mod surface;
 use super::{DEPTH_CAP, Effort, Hand, Part, Scratch, Stage, Tracer, Watch};
 use crate::brdf::Microfacet;
 use crate::geometry::{NO_PLATE, Stack};
-use crate::math::columns::BUNDLE;
+use crate::math::columns::{BUNDLE, Column};
 use crate::math::lanes::{Bits, Kernel, Packet, Wide, dispatch};
-use crate::math::sequence::{Slot, Stream, pair};
+use crate::math::sequence::{PassKey, Slot, Stream, pair};
 use crate::math::{Rgb, V3};
 use crate::scene::Material;
 use further::{Further, Look};
@@ -48,6 +48,8 @@ impl Tables {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bundle {
     paths: Box<Paths>,
+    /// Of the passes that the paths belong to, by place in the bundle.
+    salts: Column<u32>,
     met: Met,
     shadows: Shadows,
     further: Further,
@@ -67,7 +69,7 @@ pub(super) struct Bundle {
 /// Which samples of some pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct Round<'a> {
-    /// Of which pass, from 0.
+    /// Of which pass, from 0, where the [`Hand`] does not say.
     pub pass: u64,
     /// For blocks of so many pixels a side instead of pixels.
     pub block: u32,
@@ -102,15 +104,15 @@ impl Tracer {
         if !self.method.is_the_engines(M::MODEL) {
             return self.sample_one_by_one::<M>(pixels, pass, 1, scratch, each);
         }
-        let mut some = Vec::with_capacity(BUNDLE);
+        let mut some = Hand::default();
         loop {
-            some.clear();
-            some.extend((&mut *pixels).take(BUNDLE));
-            if some.is_empty() {
+            some.pixels.clear();
+            some.pixels.extend((&mut *pixels).take(BUNDLE));
+            if some.pixels.is_empty() {
                 return;
             }
             let round = Round { looks: false, ..Round::of(pass) };
-            self.sample_together::<M>(&some, &[], round, scratch, &mut |_, _| {});
+            self.sample_together::<M>(&some, round, scratch, &mut |_, _| {});
             for &radiance in &scratch.bundle.radiance {
                 each(radiance.into());
             }
@@ -129,11 +131,14 @@ impl Tracer {
         if !self.method.is_the_engines(M::MODEL) {
             let mut pixels = hand.pixels.iter();
             let each = &mut |found| each(*pixels.next().expect("one a pixel"), found);
-            let pixels = &mut hand.pixels.iter().copied();
-            return self.sample_one_by_one::<M>(pixels, round.pass, round.block, scratch, each);
+            for (places, pass) in hand.passes(round.pass) {
+                let pixels = &mut hand.pixels[places].iter().copied();
+                self.sample_one_by_one::<M>(pixels, pass, round.block, scratch, each);
+            }
+            return;
         }
         scratch.bundle.part = hand.part;
-        self.sample_together::<M>(&hand.pixels, &hand.ends, round, scratch, &mut |_, _| {});
+        self.sample_together::<M>(hand, round, scratch, &mut |_, _| {});
         scratch.bundle.part = Part::Whole;
         for (&pixel, &radiance) in hand.pixels.iter().zip(&scratch.bundle.radiance) {
             each(pixel, radiance.into());
@@ -150,34 +155,38 @@ impl Tracer {
         watch: Watch,
     ) {
         if self.method.is_the_engines(M::MODEL) {
-            let round = Round::of(pass);
-            self.sample_together::<M>(&hand.pixels, &hand.ends, round, scratch, watch);
+            self.sample_together::<M>(hand, Round::of(pass), scratch, watch);
         }
     }
 
     fn sample_together<M: Microfacet>(
         &self,
-        pixels: &[[u32; 2]],
-        ends: &[u32],
+        hand: &Hand,
         round: Round,
         scratch: &mut Scratch,
         watch: Watch,
     ) {
         // Columns and rows lie where the slots and keys will be.
-        let Bundle { paths, ends: all_ends, .. } = &mut *scratch.bundle;
-        for ((x, y), pixel) in paths.slot.0.iter_mut().zip(&mut paths.key.0).zip(pixels) {
+        let Bundle { paths, salts, ends, .. } = &mut *scratch.bundle;
+        for ((x, y), pixel) in paths.slot.0.iter_mut().zip(&mut paths.key.0).zip(&hand.pixels) {
             [*x, *y] = *pixel;
         }
-        all_ends.clear();
-        all_ends.extend_from_slice(ends);
-        self.follow::<M>(pixels.len().min(BUNDLE), round, scratch, watch);
+        for (places, pass) in hand.passes(round.pass) {
+            let places = places.start.min(BUNDLE)..places.end.min(BUNDLE);
+            let PassKey { salt, index } = PassKey::new(self.seed, pass);
+            salts.0[places.clone()].fill(salt);
+            paths.index.0[places].fill(index);
+        }
+        ends.clear();
+        ends.extend_from_slice(&hand.ends);
+        self.follow::<M>(hand.pixels.len().min(BUNDLE), round, scratch, watch);
     }
 
     /// The paths of the bundle, from the camera to their ends.
     fn follow<M: Microfacet>(
         &self,
         mut count: usize,
-        Round { pass, block, first_hits, looks }: Round,
+        Round { block, first_hits, looks, .. }: Round,
         scratch: &mut Scratch,
         watch: Watch,
     ) {
@@ -191,10 +200,10 @@ impl Tracer {
             bundle.seconds.clear(count);
         }
         bundle.further.begin(looks && bundle.part != Part::Shared);
-        dispatch(isa, Start { tracer: self, bundle, count, pass, block });
+        dispatch(isa, Start { tracer: self, bundle, count, block });
         watch(Stage::Start, count);
         let model = PhantomData::<M>;
-        let look = Look { tracer: self, bundle, event: 0, pass, stack, model };
+        let look = Look { tracer: self, bundle, event: 0, stack, model };
         look.run(rays, effort, watch);
         for event in 0.. {
             let kept = first_hits.filter(|_| event == 0);
@@ -209,7 +218,7 @@ impl Tracer {
             }
             watch(Stage::Trace, count);
             let last = event >= self.max_depth || event >= DEPTH_CAP;
-            let shade = Shade { tracer: self, bundle, count, event, pass, last, model };
+            let shade = Shade { tracer: self, bundle, count, event, last, model };
             let going = dispatch(isa, shade);
             watch(Stage::Shade, count);
             if event >= DEPTH_CAP && event < self.max_depth {
@@ -220,11 +229,10 @@ impl Tracer {
             }
             *rays += bundle.shadows.count as u64;
             effort.asked += bundle.shadows.count as u64;
-            let sums = bundle.asked_at(event);
-            effort.alone += dispatch(isa, Ask { tracer: self, bundle, stack, sums });
+            effort.alone += dispatch(isa, Ask { tracer: self, bundle, stack });
             watch(Stage::Ask, bundle.shadows.count);
             if event == 0 {
-                let look = Look { tracer: self, bundle, event: 1, pass, stack, model };
+                let look = Look { tracer: self, bundle, event: 1, stack, model };
                 look.run(rays, effort, watch);
             }
             if going == 0 {
@@ -239,14 +247,16 @@ impl Tracer {
             _ => {}
         }
         if bundle.shares {
+            bundle.seconds.sort();
             let joined = dispatch(isa, Join { tracer: self, bundle, stack });
             effort.pairs += joined.pairs;
             effort.joined += joined.joined;
+            effort.held += joined.held;
             effort.between += joined.between;
             effort.alone += joined.alone;
             *rays += joined.joined;
             watch(Stage::Join, bundle.seconds.count);
-            dispatch(isa, Share { tracer: self, bundle, model: PhantomData::<M> });
+            effort.glossy += dispatch(isa, Share { tracer: self, bundle, model: PhantomData::<M> });
             watch(Stage::Share, bundle.seconds.count);
         }
     }
@@ -259,43 +269,19 @@ impl Bundle {
     fn lights_asked(&self, event: u32) -> u32 {
         if self.shares && event == 0 { LIGHTS_ASKED } else { 1 }
     }
-
-    /// Where light belongs that is asked for at this event.
-    #[inline(always)]
-    fn asked_at(&self, event: u32) -> Sums {
-        match event {
-            1 if self.shares => Sums::Asked,
-            _ => self.met_at(event),
-        }
-    }
-
-    /// Where light belongs that is met at this event.
-    #[inline(always)]
-    fn met_at(&self, event: u32) -> Sums {
-        match event {
-            2.. if self.shares => Sums::Reflected,
-            _ => Sums::Radiance,
-        }
-    }
 }
 
-/// What light is added to.
-#[derive(Clone, Copy, Debug)]
-enum Sums {
-    /// What the path itself found.
-    Radiance,
-    /// What arrives at its second point from the light that was asked.
-    Asked,
-    /// What arrives there from the direction sampled, by reflection.
-    Reflected,
-}
+/// What light is added to: what the path itself found; what arrives at its second point from the light
+/// that was asked; what arrives there from the direction sampled, by reflection.
+const RADIANCE: u32 = 0;
+const ASKED: u32 = 1;
+const REFLECTED: u32 = 2;
 
 /// Camera rays of the pixels whose columns and rows lie where the slots and keys will be.
 struct Start<'a> {
     tracer: &'a Tracer,
     bundle: &'a mut Bundle,
     count: usize,
-    pass: u64,
     block: u32,
 }
 
@@ -303,14 +289,15 @@ impl Kernel for Start<'_> {
     type Output = ();
     #[inline(always)]
     fn run<W: Wide, P: Packet>(self) {
-        let Start { tracer, bundle, count, pass, block } = self;
-        let Bundle { paths, further, .. } = bundle;
+        let Start { tracer, bundle, count, block } = self;
+        let Bundle { paths, salts, further, .. } = bundle;
         let sights = if further.wanted { tracer.sights(block) } else { Vec::new() };
         let side = P::splat(block as f32);
         let eye = tracer.camera.eye().splat_lanes::<P>();
         for at in (0..count).step_by(P::WIDTH) {
             let (x, y) = (paths.slot.load::<P>(at), paths.key.load::<P>(at));
-            let stream = Stream::new(tracer.seed, x, y, pass);
+            let (salt, index) = (salts.load::<P>(at), paths.index.load::<P>(at));
+            let stream = Stream::of_pixels(x, y, salt, index);
             let [dx, dy] = pair::<P>(&stream, Slot::CAMERA);
             let d = tracer
                 .camera
@@ -323,12 +310,13 @@ impl Kernel for Start<'_> {
                 let live = P::mask(lowest(count - at));
                 let place = [P::from_small(x), P::from_small(y)];
                 let slots: [u32; 16] = std::array::from_fn(|lane| (at + lane) as u32);
-                let path = (P::load_bits(&slots), &stream, pass);
+                let path = (P::load_bits(&slots), &stream);
                 part = tracer.look_from_camera(further, &sights, live, place, side, path);
             }
             paths.part.store(at, part);
             paths.plate.store::<P>(at, P::Bits::splat(NO_PLATE));
             paths.key.store::<P>(at, stream.key());
+            paths.lead.store::<P>(at, P::Bits::splat(0));
         }
         for (slot, place) in paths.slot.0.iter_mut().zip(0..count as u32) {
             *slot = place;
@@ -367,7 +355,6 @@ struct Shade<'a, M> {
     bundle: &'a mut Bundle,
     count: usize,
     event: u32,
-    pass: u64,
     last: bool,
     model: PhantomData<M>,
 }
@@ -376,8 +363,8 @@ impl<M: Microfacet> Kernel for Shade<'_, M> {
     type Output = usize;
     #[inline(always)]
     fn run<W: Wide, P: Packet>(self) -> usize {
-        let Shade { tracer, bundle, count, event, pass, last, .. } = self;
-        tracer.shade::<P, M>(bundle, count, event, pass, last)
+        let Shade { tracer, bundle, count, event, last, .. } = self;
+        tracer.shade::<P, M>(bundle, count, event, last)
     }
 }
 
@@ -386,7 +373,6 @@ struct Ask<'a> {
     tracer: &'a Tracer,
     bundle: &'a mut Bundle,
     stack: &'a mut Stack,
-    sums: Sums,
 }
 
 impl Kernel for Ask<'_> {
@@ -394,7 +380,7 @@ impl Kernel for Ask<'_> {
     type Output = u64;
     #[inline(always)]
     fn run<W: Wide, P: Packet>(self) -> u64 {
-        self.tracer.ask::<W, P>(self.bundle, self.stack, self.sums)
+        self.tracer.ask::<W, P>(self.bundle, self.stack)
     }
 }
 
@@ -421,10 +407,11 @@ struct Share<'a, M> {
 }
 
 impl<M: Microfacet> Kernel for Share<'_, M> {
-    type Output = ();
+    /// How often a specular lobe was evaluated.
+    type Output = u64;
     #[inline(always)]
-    fn run<W: Wide, P: Packet>(self) {
-        self.tracer.share::<P, M>(self.bundle);
+    fn run<W: Wide, P: Packet>(self) -> u64 {
+        self.tracer.share::<P, M>(self.bundle)
     }
 }
 

@@ -4,6 +4,7 @@ use super::receivers::Receivers;
 use crate::geometry::Ray;
 use crate::math::columns::{Column, Columns3, FOURFOLD};
 use crate::math::lanes::{Mask, Packet};
+use crate::math::sequence::Stream;
 use crate::math::{Rgb, V3};
 use crate::trace::lights::{Lights, Receiver};
 
@@ -26,8 +27,11 @@ pub(super) struct Paths {
     pub(super) plate: Column<u32>,
     /// Place in the bundle.
     pub(super) slot: Column<u32>,
-    /// Of the path's random numbers.
+    /// How many mirrors the path has met before its first other surface.
+    pub(super) lead: Column<u32>,
+    /// Of the path's random numbers: its key and which point of the sequence.
     pub(super) key: Column<u32>,
+    pub(super) index: Column<u32>,
 }
 
 /// A register's worth of rays that leave surfaces, as [`Paths`] keeps them.
@@ -41,7 +45,8 @@ pub(super) struct Leaving<'a, P: Packet> {
     pub(super) receiver: &'a Receiver<P>,
     pub(super) plate: P::Bits,
     pub(super) slot: P::Bits,
-    pub(super) key: P::Bits,
+    pub(super) lead: P::Bits,
+    pub(super) stream: &'a Stream<P::Bits>,
 }
 
 /// Rays towards lights, with what arrives if nothing is in between.
@@ -54,6 +59,7 @@ pub(super) struct Shadows {
     pub(super) light: Columns3<FOURFOLD>,
     /// The plates where they begin and end.
     pub(super) plates: [Column<u32, FOURFOLD>; 2],
+    /// Place in the bundle, and which sum the light belongs to: `slot + (sum << 16)`.
     pub(super) slot: Column<u32, FOURFOLD>,
 }
 
@@ -79,7 +85,9 @@ impl Paths {
         self.from.push::<P>(at, which, way.receiver, lights, event);
         self.plate.push::<P>(at, which, way.plate);
         self.slot.push::<P>(at, which, way.slot);
-        self.key.push::<P>(at, which, way.key);
+        self.lead.push::<P>(at, which, way.lead);
+        self.key.push::<P>(at, which, way.stream.key());
+        self.index.push::<P>(at, which, way.stream.index());
         which.bits().count_ones() as usize
     }
 

@@ -1,7 +1,9 @@
-//! What rays meet, and which lights are seen: plates by the register, the tree for the rest.
+//! What rays meet, and which lights are seen: plates and the few spheres and cylinders by the
+//! register, the tree for the rest.
 
-use super::{Bundle, Sums, lowest};
-use crate::geometry::{Hit, NO_PLATE, Passing, Query, Ray, Stack};
+use super::surface::Met;
+use super::{ASKED, Bundle, RADIANCE, lowest};
+use crate::geometry::{Bvh, Geometry, Hit, NO_PLATE, Passing, Query, Ray, Stack};
 use crate::math::lanes::{Mask, Packet, Wide};
 use crate::trace::Tracer;
 
@@ -25,59 +27,64 @@ impl Tracer {
             met.on_plates::<P>(at, &hits);
             let live = P::mask(lowest(count - at));
             let open = (hits.open & live).bits();
-            let mut others = (bvh.meets_tree(&passing, hits.t + hits.within) & live).bits() | open;
-            if others == 0 {
-                continue;
-            }
-            alone += u64::from(others.count_ones());
             let (mut t, mut within) = ([0.0; 16], [0.0; 16]);
             hits.t.store(&mut t);
             hits.within.store(&mut within);
-            while others != 0 {
-                let lane = others.trailing_zeros() as usize;
-                others &= others - 1;
+            // Of the quadrics the exact hits, as far as nothing else is known to be nearer.
+            let (mut t_max, mut quadric) = ([0.0; 16], [NO_QUADRIC; 16]);
+            (hits.t + hits.within).store(&mut t_max);
+            let mut round = 0;
+            if !bvh.quadrics().is_empty() {
+                let ray = (o, d, hits.t + hits.within);
+                let from = paths.plate.load::<P>(at);
+                bvh.quadrics().may_meet(ray, &passing, from, live, &mut |primitive, lanes| {
+                    for lane in each_lane(lanes & !open) {
+                        let ray = paths.ray(at + lane);
+                        let (t_max, quadric) = (&mut t_max[lane], &mut quadric[lane]);
+                        // Of equally near ones the lowest, and they come in any order.
+                        if let Some(t) = bvh.quadric(geometry, primitive, &ray, *t_max)
+                            && (t < *t_max || primitive < *quadric)
+                        {
+                            (*t_max, *quadric) = (t, primitive);
+                            round |= 1 << lane;
+                        }
+                    }
+                });
+            }
+            let tree = (bvh.meets_tree(&passing, P::load(&t_max)) & live).bits() & !open;
+            let others = open | tree;
+            alone += u64::from(others.count_ones());
+            for lane in each_lane(others | round) {
                 let ray = paths.ray(at + lane);
+                let (t, within) = (t[lane], within[lane]);
+                let hit = Hit { t: t_max[lane], primitive: quadric[lane], b: [0.0; 2] };
+                let hit = (hit.primitive != NO_QUADRIC).then_some(hit);
                 if open >> lane & 1 != 0 {
-                    let hit = bvh.closest_with::<W>(geometry, &ray, f32::INFINITY, stack);
-                    let plate = hit.map_or(NO_PLATE, |hit| plates.plate_of(hit.primitive));
-                    met.set(at + lane, hit, plate);
+                    met.find::<W>(at + lane, bvh, geometry, &ray, stack);
+                } else if tree >> lane & 1 != 0 {
+                    let query = Query { ray, t_max: t_max[lane] };
+                    asked.push(at + lane, query, t - within, hit);
                 } else {
-                    let (t, within) = (t[lane], within[lane]);
-                    asked.push(at + lane, Query { ray, t_max: t + within }, t - within);
+                    met.settle::<W>(at + lane, hit, t - within, bvh, geometry, &ray, stack);
                 }
             }
         }
-        bvh.closest_each_but_plates::<W>(geometry, &asked.queries, stack, &mut asked.hits);
-        for ((at, query), (hit, clear)) in asked.rays().zip(asked.hits.iter().zip(&asked.clear)) {
-            match *hit {
-                None => {}
-                Some(hit) if hit.t < *clear => met.set(at, Some(hit), NO_PLATE),
-                // Too close to the plate to tell.
-                Some(_) => {
-                    let hit = bvh.closest_with::<W>(geometry, &query.ray, f32::INFINITY, stack);
-                    let plate = hit.map_or(NO_PLATE, |hit| plates.plate_of(hit.primitive));
-                    met.set(at, hit, plate);
-                }
-            }
+        bvh.closest_each_in_tree::<W>(geometry, &asked.queries, stack, &mut asked.hits);
+        for (i, (at, query)) in asked.rays().enumerate() {
+            let rank = |hit: &Hit| (hit.t, hit.primitive);
+            let both = [asked.hits[i], asked.quadrics[i]].into_iter().flatten();
+            let hit = both.reduce(|a, b| if rank(&b) < rank(&a) { b } else { a });
+            let clear = asked.clear[i];
+            met.settle::<W>(at, hit, clear, bvh, geometry, &query.ray, stack);
         }
         alone
     }
 
     #[inline(always)]
-    pub(super) fn ask<W: Wide, P: Packet>(
-        &self,
-        bundle: &mut Bundle,
-        stack: &mut Stack,
-        sums: Sums,
-    ) -> u64 {
+    pub(super) fn ask<W: Wide, P: Packet>(&self, bundle: &mut Bundle, stack: &mut Stack) -> u64 {
         let mut alone = 0;
         let (bvh, geometry) = (self.scene.bvh(), self.scene.geometry());
         let Bundle { shadows, asked, radiance, seconds, .. } = bundle;
-        let sums = match sums {
-            Sums::Radiance => radiance,
-            Sums::Asked => &mut seconds.light,
-            Sums::Reflected => &mut seconds.reflected,
-        };
         asked.clear();
         asked.lit.clear();
         for at in (0..shadows.count).step_by(P::WIDTH) {
@@ -89,36 +96,45 @@ impl Tracer {
             let passing = Passing::new(o, d);
             let ray = (o, d, t_max);
             let [blocked, open] = bvh.plates().occluded::<P>(ray, &passing, ends, live, between);
-            let tree = bvh.meets_tree(&passing, t_max).bits();
-            let (open, mut lit) = (open.bits(), (live & !blocked).bits());
-            let mut unsure = lit & (open | tree);
-            alone += u64::from(unsure.count_ones());
-            while unsure != 0 {
-                let lane = unsure.trailing_zeros() as usize;
-                unsure &= unsure - 1;
+            let one = |lane: usize| {
                 let (o, d) = (shadows.o.get(at + lane), shadows.d.get(at + lane));
-                let ray = Ray { o: o.into(), d: d.into() };
-                let t_max = shadows.t_max.0[at + lane];
+                (Ray { o: o.into(), d: d.into() }, shadows.t_max.0[at + lane])
+            };
+            let mut clear = live & !blocked;
+            if !bvh.quadrics().is_empty() && clear.any() {
+                let (ray, live) = ((o, d, t_max), clear & !open);
+                clear = clear & !bvh.quadrics().occluded(geometry, ray, &passing, ends, live);
+            }
+            let tree = bvh.meets_tree(&passing, t_max).bits();
+            let (open, mut lit) = (open.bits(), clear.bits());
+            let unsure = lit & (open | tree);
+            alone += u64::from(unsure.count_ones());
+            for lane in each_lane(unsure) {
+                let (ray, t_max) = one(lane);
                 if open >> lane & 1 == 0 {
-                    asked.push(at + lane, Query { ray, t_max }, t_max);
+                    asked.push(at + lane, Query { ray, t_max }, t_max, None);
                 } else if bvh.occluded_with::<W>(geometry, &ray, t_max, stack) {
                     lit &= !(1 << lane);
                 }
             }
             asked.lit.push(lit);
         }
-        bvh.occluded_each_but_plates::<W>(geometry, &asked.queries, stack, &mut asked.occluded);
+        bvh.occluded_each_in_tree::<W>(geometry, &asked.queries, stack, &mut asked.occluded);
         for (&at, &occluded) in asked.at.iter().zip(&asked.occluded) {
             let (part, lane) = (at as usize / P::WIDTH, at as usize % P::WIDTH);
             asked.lit[part] &= !(u32::from(occluded) << lane);
         }
         for (at, &lit) in (0..).step_by(P::WIDTH).zip(&asked.lit) {
-            let mut lit = lit;
-            while lit != 0 {
-                let place = at + lit.trailing_zeros() as usize;
-                lit &= lit - 1;
+            for lane in each_lane(lit) {
+                let place = at + lane;
                 let light = shadows.light.get(place);
-                let sum = &mut sums[shadows.slot.0[place] as usize];
+                let slot = shadows.slot.0[place];
+                let sums = match slot >> 16 {
+                    RADIANCE => &mut *radiance,
+                    ASKED => &mut seconds.light,
+                    _ => &mut seconds.reflected,
+                };
+                let sum = &mut sums[(slot & 0xffff) as usize];
                 for (sum, light) in sum.iter_mut().zip(light) {
                     *sum += light;
                 }
@@ -128,6 +144,63 @@ impl Tracer {
     }
 }
 
+impl Met {
+    /// Takes down what a ray meets, by the exact tests alone.
+    #[inline(always)]
+    fn find<W: Wide>(
+        &mut self,
+        at: usize,
+        bvh: &Bvh,
+        geometry: &Geometry,
+        ray: &Ray,
+        stack: &mut Stack,
+    ) {
+        let hit = bvh.closest_with::<W>(geometry, ray, f32::INFINITY, stack);
+        let plate = hit.map_or(NO_PLATE, |hit| bvh.number_of(hit.primitive));
+        self.set(at, hit, plate);
+    }
+
+    /// Takes down the nearest hit besides the plates, if it lies before them; those at which it does
+    /// not were taken down before. `clear` is the distance before which no plate is met.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
+    fn settle<W: Wide>(
+        &mut self,
+        at: usize,
+        hit: Option<Hit>,
+        clear: f32,
+        bvh: &Bvh,
+        geometry: &Geometry,
+        ray: &Ray,
+        stack: &mut Stack,
+    ) {
+        match hit {
+            None => {}
+            Some(hit) if hit.t < clear => {
+                let hit = bvh.in_front(geometry, ray, Some(hit));
+                let plate = hit.map_or(NO_PLATE, |hit| bvh.number_of(hit.primitive));
+                self.set(at, hit, plate);
+            }
+            // Too close to the plate to tell.
+            Some(_) => self.find::<W>(at, bvh, geometry, ray, stack),
+        }
+    }
+}
+
+/// The lanes of a mask.
+#[inline(always)]
+pub(super) fn each_lane(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = mask.trailing_zeros() as usize;
+        let some = mask != 0;
+        mask &= mask.wrapping_sub(1);
+        some.then_some(lane)
+    })
+}
+
+/// No quadric: after all primitives.
+const NO_QUADRIC: u32 = u32::MAX;
+
 /// Rays that the tree is asked about, those of a bundle together, and its answers.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Asked {
@@ -136,6 +209,8 @@ pub(super) struct Asked {
     queries: Vec<Query>,
     /// A hit nearer than this lies before all plates.
     clear: Vec<f32>,
+    /// The nearest quadric.
+    quadrics: Vec<Option<Hit>>,
     hits: Vec<Option<Hit>>,
     occluded: Vec<bool>,
     /// A register's worth of places each: who sees the light.
@@ -147,9 +222,11 @@ impl Asked {
         self.at.clear();
         self.queries.clear();
         self.clear.clear();
+        self.quadrics.clear();
     }
     #[inline(always)]
-    fn push(&mut self, at: usize, query: Query, clear: f32) {
+    fn push(&mut self, at: usize, query: Query, clear: f32, quadric: Option<Hit>) {
+        self.quadrics.push(quadric);
         self.at.push(at as u32);
         self.queries.push(query);
         self.clear.push(clear);

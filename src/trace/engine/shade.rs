@@ -2,10 +2,11 @@
 
 use super::further::FirstPoints;
 use super::paths::Leaving;
-use super::{Bundle, Sums, Tables, lowest};
+use super::reuse::Own;
+use super::{ASKED, Bundle, REFLECTED, Tables, lowest};
 use crate::brdf::Microfacet;
-use crate::geometry::offset_origin;
-use crate::math::lanes::{Lane, Mask, Packet};
+use crate::geometry::{MOST_PLATES, NO_PLATE, offset_origin};
+use crate::math::lanes::{Bits, Lane, Mask, Packet};
 use crate::math::sequence::{Slot, Stream, pair, unit};
 use crate::math::{Frame, Rgb, V3};
 use crate::trace::lights::Receiver;
@@ -23,7 +24,6 @@ impl Tracer {
         bundle: &mut Bundle,
         count: usize,
         event: u32,
-        pass: u64,
         last: bool,
     ) -> usize {
         let zero = P::splat(0.0);
@@ -31,7 +31,6 @@ impl Tracer {
         let Tables { materials } = &self.tables;
         let lights = &self.lights;
         let asks = lights.count() > 0;
-        let (is_first, is_second) = (bundle.shares && event == 0, bundle.shares && event == 1);
         let asked_lights = bundle.lights_asked(event);
         let mut going = 0;
         bundle.shadows.count = 0;
@@ -43,16 +42,21 @@ impl Tracer {
             let beta = bundle.paths.beta.load_rgb::<P>(at);
             let hit = live & met.hit;
             let missed = live & !met.hit;
+            let lead = bundle.paths.lead.load::<P>(at);
+            let role = Role::<P>::of(bundle.shares, lead, event, material.mirror);
             if missed.any() {
-                self.add_environment::<P>(bundle, at, missed, beta, event);
+                self.add_environment::<P>(bundle, at, missed, beta, event, &role);
             }
             let emits = hit & material.emits;
             if emits.any() {
                 let cos = met.point.ng.dot(d).abs();
-                self.add_emission::<P>(bundle, at, emits, beta * material.emission, cos, event);
+                let light = beta * material.emission;
+                self.add_emission::<P>(bundle, at, emits, light, cos, event, &role);
             }
             // The geometric normal decides the sides: both normals are turned to the viewer's, and the
             // shading normal is bent until he sees it.
+            // What is left outwards, or is a plate, is not met again.
+            let from_outside = met.point.ng.dot(d).lt(zero);
             let mut point = met.point.turned_to(-d);
             let own = point.ns;
             let (bent, bends) = point.normal_for(-d);
@@ -65,23 +69,28 @@ impl Tracer {
                 continue;
             }
             let plate = bundle.met.plate.load::<P>(at);
+            let known = from_outside | P::less_bits(plate, P::Bits::splat(MOST_PLATES as u32));
+            let plate = P::select_bits(known, plate, P::Bits::splat(NO_PLATE));
             let what = [bundle.met.material.load::<P>(at), plate];
-            if is_first {
-                bundle.firsts.store(at, go, &point, -d, what);
+            let slot = bundle.paths.slot.load::<P>(at);
+            let firsts = role.first & go;
+            if bundle.shares && (event == 0 || firsts.any()) {
+                // Camera rays lie in the order of their places.
+                let slots = (event > 0).then_some(slot);
+                bundle.firsts.store(at, slots, firsts, &point, -d, beta, what);
             }
             if !go.any() {
                 continue;
             }
-            let slot = bundle.paths.slot.load::<P>(at);
             let key = bundle.paths.key.load::<P>(at);
-            let stream = Stream::again(key, pass);
+            let stream = Stream::again(key, bundle.paths.index.load::<P>(at));
             let view = material.lobes.seen_from::<M>(wo);
             let [lobe_choice, _] = stream.pair_bits(Slot::choice(event));
 
             let first = event == 0 && lights.choose_by_place();
             // A second point has several viewers, each with a frame of his own; they have to agree on
             // the densities of lights.
-            let bends = bends & P::mask(if is_second { u32::MAX } else { 0 });
+            let bends = bends & role.second;
             let agreed = if bends.any() { Frame::around(own) } else { frame };
             let receiver = Receiver::new(point.p, agreed, first, &material.lobes, wo);
             let mut looks = P::splat(1.0);
@@ -90,45 +99,48 @@ impl Tracer {
                 let sharp = go & looks.gt(P::splat(1.0));
                 if sharp.any() {
                     let (point, frame, view) = (&point, &frame, &view);
-                    let receiver = &receiver;
-                    let from = FirstPoints { point, frame, view, receiver, plate, slot, key };
+                    let (receiver, stream) = (&receiver, &stream);
+                    let from = FirstPoints { point, frame, view, receiver, plate, slot, stream };
                     let further = &mut bundle.further;
-                    self.look_from_points::<P, M>(further, sharp, &from, beta, pass);
+                    self.look_from_points::<P, M>(further, sharp, &from, beta);
                 }
             }
             let mut towards_light = (wo, zero);
+            let mut as_seen = Rgb::splat(zero);
+            let mut seen_pdf = zero;
             let count = if asks { asked_lights } else { 0 };
             for which in 0..count {
-                let stream = stream.one_of(count, which, pass);
+                let stream = stream.one_of(count, which);
                 let [_, light_choice] = stream.pair_bits(Slot::choice(event));
                 let u = pair::<P>(&stream, Slot::light(event));
                 let choice = unit::<P>(light_choice);
                 let mut light = lights.sample::<P>(bvh, geometry, &receiver, choice, u);
                 light.pdf = light.pdf * P::splat(count as f32);
                 let wi = frame.to_local(light.wi);
-                let mut above = M::cosine(point.ng.dot(light.wi)).gt(zero);
                 // What is below the one viewer's normal may be above the other's.
-                if !is_second {
-                    above = above & M::cosine(wi.z).gt(zero);
-                }
+                let above = M::cosine(point.ng.dot(light.wi)).gt(zero)
+                    & (M::cosine(wi.z).gt(zero) | role.second);
                 let mut asked = go & light.found & above;
                 if asked.any() {
-                    let mut found = light.radiance;
                     let o = offset_origin(point.p, point.error, point.ng, light.wi);
                     let way = light.way_from(o);
                     asked = asked & way.meets;
-                    if is_second {
+                    let e = view.eval::<M>(wi);
+                    let weight = power_heuristic(light.pdf, e.pdf);
+                    let reflected =
+                        beta * light.radiance * e.f * (M::cosine(wi.z) / light.pdf * weight);
+                    if role.second.any() {
                         let mut wi = wi;
                         if bends.any() {
                             wi = V3::select(bends, agreed.to_local(light.wi), wi);
                         }
                         towards_light = (wi, light.pdf.or_zero(asked));
-                    } else {
-                        let e = view.eval::<M>(wi);
-                        let weight = power_heuristic(light.pdf, e.pdf);
-                        found = beta * found * e.f * (M::cosine(wi.z) / light.pdf * weight);
-                        asked = asked & !is_black(found);
+                        // What the path itself makes of it, wherever a lobe is not shared.
+                        as_seen = e.f * M::cosine(frame.to_local(light.wi).z);
+                        seen_pdf = e.pdf;
                     }
+                    asked = asked & (role.second | !is_black(reflected));
+                    let found = select(role.second, light.radiance, reflected);
                     let shadows = &mut bundle.shadows;
                     let end = shadows.count;
                     shadows.o.push::<P>(end, asked, o);
@@ -137,7 +149,7 @@ impl Tracer {
                     shadows.light.push_rgb::<P>(end, asked, found);
                     shadows.plates[0].push::<P>(end, asked, plate);
                     shadows.plates[1].push::<P>(end, asked, light.plate);
-                    shadows.slot.push::<P>(end, asked, slot);
+                    shadows.slot.push::<P>(end, asked, slot + role.asked);
                     shadows.count += asked.bits().count_ones() as usize;
                 }
             }
@@ -148,23 +160,27 @@ impl Tracer {
             let cos = M::cosine(next.wi.z);
             let scattered = next.f * (cos / next.pdf);
             let leaves = next.pdf.gt(zero) & M::cosine(point.ng.dot(d)).gt(zero);
-            let mut beta = if is_second { scattered } else { beta * scattered };
+            let mut beta = select(role.second, scattered, beta * scattered);
             let mut goes = go & leaves & !is_black(beta);
-            if is_first {
-                bundle.firsts.store_direction(at, next.pdf, scattered);
+            if bundle.shares && (event == 0 || firsts.any()) {
+                let slots = (event > 0).then_some(slot);
+                bundle.firsts.store_direction(at, slots, firsts, [next.pdf, cos], scattered);
             }
             if event >= roulette::FROM {
                 let survival = roulette::survival(event, beta.max_channel());
                 let one = P::splat(1.0);
-                let at_risk = goes & survival.lt(one);
+                // A first point's direction has the density that others reckon with.
+                let at_risk = goes & survival.lt(one) & !role.first;
+                let mut made_up = one;
                 if at_risk.any() {
                     let [u, _] = pair::<P>(&stream, Slot::roulette(event));
                     let ended = at_risk & u.ge(survival);
                     goes = goes & !ended;
-                    let made_up = P::select(at_risk, one / survival, one);
-                    beta = if is_second { Rgb::splat(made_up) } else { beta * made_up };
-                } else if is_second {
-                    beta = Rgb::splat(one);
+                    made_up = P::select(at_risk, one / survival, one);
+                    beta = beta * made_up;
+                }
+                if role.second.any() {
+                    beta = select(role.second, Rgb::splat(made_up), beta);
                 }
             }
             let escapes = goes & beta.max_channel().gt(P::splat(THROUGHPUT_CAP));
@@ -172,16 +188,19 @@ impl Tracer {
                 bundle.capped += u64::from(escapes.bits().count_ones());
                 goes = goes & !escapes;
             }
+            let own_cos = cos;
             let (mut wi, mut cos) = (next.wi, cos);
             if bends.any() {
                 wi = V3::select(bends, agreed.to_local(d), wi);
                 cos = P::select(bends, wi.z, cos);
                 point.ns = own;
             }
-            if is_second {
+            let seconds = role.second & go;
+            if seconds.any() {
                 let sampled = (wi, next.pdf.or_zero(goes));
                 let ways = [towards_light, sampled];
-                bundle.seconds.push::<P>(go, slot, &point, what, ways, next.f);
+                let own = Own { asked: as_seen, asked_pdf: seen_pdf, sampled: next.f * own_cos };
+                bundle.seconds.push::<P>(seconds, slot, &point, what, ways, next.f, &own);
             }
             let o = offset_origin(point.p, point.error, point.ng, d);
             // At the last event only lights are of interest.
@@ -189,7 +208,9 @@ impl Tracer {
                 goes = goes & lights.may_be_met(o, d);
             }
             let (pdf, part) = (next.pdf, P::splat(1.0) / looks);
-            let way = Leaving { o, d, beta, pdf, part, cos, receiver: &receiver, plate, slot, key };
+            let (receiver, stream) = (&receiver, &stream);
+            let lead = role.lead;
+            let way = Leaving { o, d, beta, pdf, part, cos, receiver, plate, slot, lead, stream };
             going += bundle.paths.push::<P>(going, goes, &way, lights, event);
         }
         going
@@ -204,6 +225,7 @@ impl Tracer {
         missed: P::Mask,
         beta: Rgb<P>,
         event: u32,
+        role: &Role<P>,
     ) {
         let environment = self.lights.environment();
         if environment.is_black() {
@@ -214,18 +236,16 @@ impl Tracer {
             let from = bundle.paths.from.load::<P>(at, &self.lights, event - 1);
             let other = self.lights.environment_pdf(&from, bundle.paths.cos.load::<P>(at))
                 * P::splat(bundle.lights_asked(event - 1) as f32);
-            if bundle.shares && event == 2 {
-                return bundle.keep_emitted::<P>(at, missed.bits(), light, other);
-            }
+            bundle.keep_emitted::<P>(at, (missed & role.third).bits(), light, other);
             light = light * power_heuristic(bundle.paths.pdf.load::<P>(at), other);
         }
         light = bundle.part_of(at, light, event);
-        let sums = bundle.met_at(event);
-        bundle.add::<P>(at, missed.bits(), light, sums);
+        bundle.add::<P>(at, missed, light, role);
     }
 
     /// What the surfaces met give off themselves, at this cosine to the rays.
     #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
     fn add_emission<P: Packet>(
         &self,
         bundle: &mut Bundle,
@@ -234,6 +254,7 @@ impl Tracer {
         mut light: Rgb<P>,
         cos: P,
         event: u32,
+        role: &Role<P>,
     ) {
         let lanes = emits.bits();
         if event > 0 {
@@ -245,29 +266,70 @@ impl Tracer {
                 other[lane] = self.lights.pdf(&from, primitive, t, cosine[lane]);
             }
             let other = P::load(&other) * P::splat(bundle.lights_asked(event - 1) as f32);
-            if bundle.shares && event == 2 {
-                return bundle.keep_emitted::<P>(at, lanes, light, other);
-            }
+            bundle.keep_emitted::<P>(at, (emits & role.third).bits(), light, other);
             light = light * power_heuristic(bundle.paths.pdf.load::<P>(at), other);
         }
         light = bundle.part_of(at, light, event);
-        let sums = bundle.met_at(event);
-        bundle.add::<P>(at, lanes, light, sums);
+        bundle.add::<P>(at, emits, light, role);
+    }
+}
+
+/// What the present point is to each path, where paths share.
+struct Role<P: Packet> {
+    /// The first that is shared, the second, the third, or one after that.
+    first: P::Mask,
+    second: P::Mask,
+    third: P::Mask,
+    later: P::Mask,
+    /// Mirrors before the first point, this one included.
+    lead: P::Bits,
+    /// The sum that light belongs to which is asked for here, shifted as in the column of slots.
+    asked: P::Bits,
+}
+
+/// Most mirrors that a path goes through before the point that is its first.
+const MOST_MIRRORS: u32 = 2;
+
+impl<P: Packet> Role<P> {
+    #[inline(always)]
+    fn of(shares: bool, lead: P::Bits, event: u32, mirror: P::Mask) -> Role<P> {
+        let (none, zero) = (P::mask(0), P::Bits::splat(0));
+        if !shares {
+            let none = [none; 4];
+            let [first, second, third, later] = none;
+            return Role { first, second, third, later, lead, asked: zero };
+        }
+        let is = |event: u32| P::equal_bits(lead, P::Bits::splat(event));
+        let at_front = is(event);
+        let passes = at_front & mirror & P::mask(if event < MOST_MIRRORS { u32::MAX } else { 0 });
+        let second = if event >= 1 { is(event - 1) } else { none };
+        let third = if event >= 2 { is(event - 2) } else { none };
+        let later = !(at_front | second | third);
+        let one = P::Bits::splat(1);
+        let [asked, reflected] = [ASKED, REFLECTED].map(|sum| P::Bits::splat(sum << 16));
+        let after = P::select_bits(third | later, reflected, zero);
+        Role {
+            first: at_front & !passes,
+            second,
+            third,
+            later,
+            lead: P::select_bits(passes, lead + one, lead),
+            asked: P::select_bits(second, asked, after),
+        }
     }
 }
 
 impl Bundle {
-    /// Adds light to the paths in these lanes from place `at` on.
+    /// Adds light that was met to the paths in these lanes from place `at` on, but for light that is
+    /// kept.
     #[inline(always)]
-    fn add<P: Packet>(&mut self, at: usize, lanes: u32, light: Rgb<P>, sums: Sums) {
+    fn add<P: Packet>(&mut self, at: usize, lanes: P::Mask, light: Rgb<P>, role: &Role<P>) {
+        let (lanes, late) = ((lanes & !role.third).bits(), role.later.bits());
         let slots = self.paths.slot.0[at..at + P::WIDTH].iter().enumerate();
-        let sums = match sums {
-            Sums::Radiance => &mut self.radiance,
-            Sums::Asked => &mut self.seconds.light,
-            Sums::Reflected => &mut self.seconds.reflected,
-        };
         let channels = store(light);
         for (lane, slot) in slots.filter(|(lane, _)| lanes >> lane & 1 != 0) {
+            let reflected = late >> lane & 1 != 0;
+            let sums = if reflected { &mut self.seconds.reflected } else { &mut self.radiance };
             for (sum, channel) in sums[*slot as usize].iter_mut().zip(&channels) {
                 *sum += channel[lane];
             }
@@ -300,6 +362,11 @@ fn store<P: Packet>(light: Rgb<P>) -> [[f32; 16]; 3] {
     light.g.store(&mut channels[1]);
     light.b.store(&mut channels[2]);
     channels
+}
+
+#[inline(always)]
+fn select<P: Lane>(mask: P::Mask, a: Rgb<P>, b: Rgb<P>) -> Rgb<P> {
+    Rgb::new(P::select(mask, a.r, b.r), P::select(mask, a.g, b.g), P::select(mask, a.b, b.b))
 }
 
 #[inline(always)]

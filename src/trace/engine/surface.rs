@@ -11,11 +11,33 @@ use crate::math::table::Table;
 use crate::math::{Rgb, V3};
 use crate::scene::Material;
 
-/// Kd; Ks; alpha; a_p; emission; whether it reflects.
+/// Kd; Ks; alpha; a_p; emission; how it reflects.
 const FIELDS: usize = 12;
 
 #[derive(Debug)]
 pub(super) struct MaterialTable(Table<FIELDS>);
+
+/// How a material reflects: not at all, as its lobes have it, with a weak specular lobe, or as a
+/// mirror.
+const REFLECTS: f32 = 1.0;
+const WEAKLY: f32 = 2.0;
+const MIRRORS: f32 = 3.0;
+
+/// A specular lobe alone that is sharper than this is a mirror: what one path sees in it is of no use
+/// to its neighbours.
+const MIRROR_ALPHA: f32 = 0.05;
+
+/// A specular lobe is weak if its reflectance at normal incidence is at most this part of all, and it
+/// is at least this rough: then what it adds varies so little that one path's share of it is as good
+/// as what all of a group could send.
+const WEAK_SHARE: f32 = 0.1;
+const WEAK_ALPHA: f32 = 0.2;
+
+fn is_weak(lobes: &Lobes) -> bool {
+    let [diffuse, specular] = [lobes.kd.luminance(), lobes.ks.luminance()];
+    let is_there = !lobes.ks.is_black();
+    is_there && specular <= WEAK_SHARE * (diffuse + specular) && lobes.width.alpha >= WEAK_ALPHA
+}
 
 /// Materials of lanes.
 pub(super) struct Materials<P: Lane> {
@@ -23,6 +45,19 @@ pub(super) struct Materials<P: Lane> {
     pub(super) emission: Rgb<P>,
     pub(super) emits: P::Mask,
     pub(super) reflects: P::Mask,
+    pub(super) weak: P::Mask,
+    pub(super) mirror: P::Mask,
+}
+
+impl<P: Packet> Materials<P> {
+    /// The part of the BRDF that paths share: all but a weak lobe.
+    #[inline(always)]
+    pub(super) fn shared_lobes(&self) -> Lobes<P> {
+        let Lobes { kd, ks, width } = self.lobes;
+        let strong = !self.weak;
+        let ks = Rgb::new(ks.r.or_zero(strong), ks.g.or_zero(strong), ks.b.or_zero(strong));
+        Lobes { kd, ks, width }
+    }
 }
 
 impl MaterialTable {
@@ -30,7 +65,12 @@ impl MaterialTable {
         let record = |m: &Material| {
             let (kd, ks, light) = (Rgb::from(m.kd), Rgb::from(m.ks), Rgb::from(m.emission));
             let width = Width::from(m.roughness);
-            let reflects = f32::from(!(kd.is_black() && ks.is_black()));
+            let reflects = match kd.is_black() && ks.is_black() {
+                true => 0.0,
+                false if is_weak(&Lobes { kd, ks, width }) => WEAKLY,
+                false if kd.is_black() && width.alpha < MIRROR_ALPHA => MIRRORS,
+                false => REFLECTS,
+            };
             [
                 kd.r,
                 kd.g,
@@ -60,10 +100,17 @@ impl MaterialTable {
         }
     }
 
-    /// Whether a material has no specular lobe.
+    /// Whether a material has a specular lobe that is weak.
     #[inline(always)]
-    pub(super) fn is_matt(&self, index: u32) -> bool {
-        self.0.record(index as usize)[3..6] == [0.0; 3]
+    pub(super) fn is_weak(&self, index: u32) -> bool {
+        self.0.record(index as usize)[11] == WEAKLY
+    }
+
+    /// The part of a material's BRDF that paths share: all but a weak lobe.
+    #[inline(always)]
+    pub(super) fn shared_lobes(&self, index: u32) -> Lobes {
+        let lobes = self.lobes(index);
+        if self.is_weak(index) { Lobes { ks: Rgb::BLACK, ..lobes } } else { lobes }
     }
 
     #[inline(always)]
@@ -79,6 +126,8 @@ impl MaterialTable {
             emission,
             emits: emission.max_channel().gt(P::splat(0.0)),
             reflects: f[11].gt(P::splat(0.0)),
+            weak: f[11].equal(P::splat(WEAKLY)),
+            mirror: f[11].equal(P::splat(MIRRORS)),
         }
     }
 }

@@ -77,7 +77,7 @@ impl Lights {
     /// Those of a scene with these materials; `equally` has each asked as often as the others,
     /// wherever it is.
     pub(super) fn new(scene: &Scene, materials: &[Material], equally: bool) -> Lights {
-        let (geometry, plates) = (scene.geometry(), scene.bvh().plates());
+        let (geometry, bvh) = (scene.geometry(), scene.bvh());
         let environment = Rgb::from(scene.environment());
         let emits = |m: u32| Rgb::from(materials[m as usize].emission);
         let radiances = scene.surfaces().iter().map(|s| emits(s.material)).chain([environment]);
@@ -102,8 +102,10 @@ impl Lights {
                     light_of[base + (primitive - surface.shape.first) as usize] =
                         records.len() as u32;
                 }
-                let [a, b] = primitives.map(|primitive| plates.plate_of(primitive));
-                let plate = if a == b { a } else { NO_PLATE };
+                let [a, b] = primitives.map(|primitive| bvh.number_of(primitive));
+                // Of a cylinder either side is asked for, and the near one hides the far one.
+                let whole = a == b && !matches!(shape, Shape::Cylinder(..));
+                let plate = if whole { a } else { NO_PLATE };
                 records.push(shape.record(primitives[0], radiance, plate, geometry.least_error()));
                 hidden.push(primitives);
                 bounds.push(shape.bound(relative(radiance)));

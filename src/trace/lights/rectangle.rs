@@ -25,29 +25,41 @@ pub(super) struct Spherical<L> {
     pub(super) solid_angle: L,
 }
 
+// Not closures: one that is called more than once is compiled by itself, for no instruction set.
+
+/// A corner's part of the solid angle.
+#[inline(always)]
+fn corner_angle<L: Lane>(x: L, y: L, z: L) -> L {
+    atan_ratio(x * y, z * (x * x + y * y + z * z).sqrt())
+}
+
+/// `y` over the length of what has `y` across a vector whose square is `d2`.
+#[inline(always)]
+fn lean<L: Lane>(y: L, d2: L) -> L {
+    y / (y * y + d2).sqrt()
+}
+
 impl<L: Lane> Spherical<L> {
     /// A rectangle from its first corner, its sides and its unit normal (of either side), seen from
     /// `p`, which is not in its plane.
     #[inline(always)]
     pub(super) fn new(corner: V3<L>, sides: [V3<L>; 2], ng: V3<L>, p: V3<L>) -> Spherical<L> {
         let one = L::splat(1.0);
-        let lengths = sides.map(|side| side.length());
+        let lengths = [sides[0].length(), sides[1].length()];
         let axes = [sides[0] * (one / lengths[0]), sides[1] * (one / lengths[1])];
         let away = corner - p;
         let (x0, y0) = (away.dot(axes[0]), away.dot(axes[1]));
         let (x, y) = ([x0, x0 + lengths[0]], [y0, y0 + lengths[1]]);
         let z = away.dot(ng).abs();
         let z2 = z * z;
-        let corner_angle = |x: L, y: L| atan_ratio(x * y, z * (x * x + y * y + z2).sqrt());
-        let [a00, a01] = [corner_angle(x[0], y[0]), corner_angle(x[0], y[1])];
-        let [a10, a11] = [corner_angle(x[1], y[0]), corner_angle(x[1], y[1])];
-        let lean = |y: L| y / (y * y + z2).sqrt();
+        let [a00, a01] = [corner_angle(x[0], y[0], z), corner_angle(x[0], y[1], z)];
+        let [a10, a11] = [corner_angle(x[1], y[0], z), corner_angle(x[1], y[1], z)];
         Spherical {
             x,
             y,
             z,
             axes,
-            b: [-lean(y[0]), lean(y[1])],
+            b: [-lean(y[0], z2), lean(y[1], z2)],
             start: L::splat(PI) + a01 - a00,
             solid_angle: (a11 - a01) - (a10 - a00),
         }
@@ -66,8 +78,7 @@ impl<L: Lane> Spherical<L> {
         let size = ((f.abs() - c) * (f.abs() + c)).max(L::splat(1e-30)).sqrt();
         let along = (z / size).copysign(f).max(x[0]).min(x[1]);
         let d2 = along * along + z * z;
-        let lean = |y: L| y / (d2 + y * y).sqrt();
-        let (h0, h1) = (lean(y[0]), lean(y[1]));
+        let (h0, h1) = (lean(y[0], d2), lean(y[1], d2));
         let h = h0 + v * (h1 - h0);
         let rest = ((one - h) * (one + h)).max(zero);
         let across = (h * d2.sqrt() / rest.max(L::splat(1e-30)).sqrt()).max(y[0]).min(y[1]);

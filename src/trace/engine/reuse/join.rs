@@ -1,8 +1,9 @@
 //! Which first points see which second points.
 
+use super::super::rays::each_lane;
 use super::super::{Bundle, lowest};
 use super::{Firsts, Runs};
-use crate::geometry::{Leaves, Passing, Query, Rays, Shaft, Stack, offset_origin};
+use crate::geometry::{Leaves, NO_PLATE, Passing, Query, Rays, Shaft, Stack, offset_origin};
 use crate::math::V3;
 use crate::math::columns::Columns3;
 use crate::math::lanes::{Bits, Mask, Packet, Wide};
@@ -36,6 +37,16 @@ impl Firsts {
     }
 }
 
+impl Firsts {
+    /// The plate that all points of a run are on; [`NO_PLATE`] if there is none.
+    #[inline(always)]
+    fn common_plate(&self, run: &Runs) -> u32 {
+        let there = (run.base..run.end).filter(|&at| self.there.0[at] != 0);
+        let plates = there.map(|at| self.point.plate.0[at]);
+        plates.reduce(|a, b| if a == b { a } else { NO_PLATE }).unwrap_or(NO_PLATE)
+    }
+}
+
 impl Tracer {
     /// Finds which first points see which second points of their groups. Returns what was done for it.
     #[inline(always)]
@@ -52,15 +63,20 @@ impl Tracer {
         let mut effort = Effort::default();
         let mut run = Runs::new(ends);
         let mut bounds = [V3::default(); 2];
+        let mut floor = 0;
+        let has_others = bvh.has_others();
         seconds.seen.clear();
-        for entry in 0..seconds.count {
+        seconds.seen.resize(seconds.count, 0);
+        for at in 0..seconds.count {
+            let entry = seconds.order[at] as usize;
             let slot = seconds.slot.0[entry] as usize;
             if run.reach(slot) {
                 bounds = firsts.bounds::<P>(&run, &mut later.boxes);
+                floor = bvh.plates().bit_of(firsts.common_plate(&run));
             }
             let mut seen = 1u128 << (slot - run.base);
             if !seconds.is_lit(slot) {
-                seconds.seen.push(seen);
+                seconds.seen[entry] = seen;
                 continue;
             }
             let others = !seen;
@@ -70,7 +86,17 @@ impl Tracer {
             let error2 = splat(&seconds.point.error);
             let ng2 = splat(&seconds.point.ng);
             let plate2 = P::Bits::splat(seconds.point.plate.0[entry]);
-            let between = bvh.plates().between::<P>(seconds.point.p.get(entry).into(), bounds);
+            let mut between = bvh.plates().between::<P>(seconds.point.p.get(entry).into(), bounds);
+            // What the point is on is in nobody's way, nor is what all of the others are on.
+            between &= !(bvh.plates().bit_of(seconds.point.plate.0[entry]) | floor);
+            // What may be between the point and any of the others.
+            let (mut round, mut parts) = (0, 0);
+            if has_others {
+                let shaft = Shaft::new(bounds, seconds.point.p.get(entry).into());
+                round = bvh.quadrics().within::<W>(&shaft);
+                round &= !bvh.quadrics().bit_of(seconds.point.plate.0[entry]);
+                parts = bvh.parts_within::<W>(&shaft);
+            }
             for first in (0..run.len()).step_by(P::WIDTH) {
                 let at = run.base + first;
                 let from = &firsts.point;
@@ -87,23 +113,33 @@ impl Tracer {
                 if !live.any() {
                     continue;
                 }
-                effort.joined += u64::from(live.bits().count_ones());
+                let traced = u64::from(live.bits().count_ones());
+                effort.joined += traced;
+                effort.held += traced * u64::from(round.count_ones() + parts.count_ones());
                 let o = offset_origin(p1, from.error.load::<P>(at), ng1, w);
                 let d = offset_origin(p2, error2, ng2, -w) - o;
                 let ends = [from.plate.load::<P>(at), plate2];
                 let t_max = P::splat(SHADOW_END);
                 let [blocked, open] =
                     bvh.plates().occluded_by::<P>(between, o, d, t_max, ends, live);
-                let clear = (live & !blocked).bits();
+                let mut clear = live & !blocked;
+                if round != 0 {
+                    let (ray, live) = ((o, d, t_max), clear & !open);
+                    clear = clear & !bvh.quadrics().occluded_by(geometry, round, ray, ends, live);
+                }
+                let clear = clear.bits();
                 let open = open.bits() & clear;
                 let passing = Passing::new(o, d);
-                let through_tree = bvh.meets_tree(&passing, t_max).bits() & clear & !open;
+                let through_tree = match parts {
+                    0 => 0,
+                    _ => bvh.meets_parts(parts, &passing, t_max).bits() & clear & !open,
+                };
                 let mut free = clear & !(open | through_tree);
                 if open | through_tree != 0 {
                     effort.alone += u64::from(open.count_ones());
                     effort.between += u64::from(through_tree.count_ones());
                     let rays = Rays::new(o, d);
-                    for lane in lanes(open) {
+                    for lane in each_lane(open) {
                         let ray = rays.get(lane);
                         let blocked = bvh.occluded_with::<W>(geometry, &ray, SHADOW_END, stack);
                         free |= u32::from(!blocked) << lane;
@@ -124,7 +160,7 @@ impl Tracer {
                                 &leaves,
                             );
                     } else {
-                        for lane in lanes(through_tree) {
+                        for lane in each_lane(through_tree) {
                             let query = Query { ray: rays.get(lane), t_max: SHADOW_END };
                             later.push(((entry as u32, (first + lane) as u32), query));
                         }
@@ -132,7 +168,7 @@ impl Tracer {
                 }
                 seen |= u128::from(free) << first;
             }
-            seconds.seen.push(seen);
+            seconds.seen[entry] = seen;
             if later.pairs.len() >= ENOUGH {
                 later.ask::<W>(self, stack, &mut seconds.seen);
             }
@@ -145,18 +181,7 @@ impl Tracer {
 }
 
 /// So many rays of a register's worth, and one shaft is looked up for all of them.
-const TOGETHER: u32 = 3;
-
-/// The lanes of a mask.
-#[inline(always)]
-fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = mask.trailing_zeros() as usize;
-        let some = mask != 0;
-        mask &= mask.wrapping_sub(1);
-        some.then_some(lane)
-    })
-}
+const TOGETHER: u32 = 7;
 
 /// Rays between pairs that the tree is asked about together: so many, that they hide each other's
 /// waiting, and no more than the nearest memory holds.
@@ -185,7 +210,7 @@ impl Later {
     #[inline(always)]
     fn ask<W: Wide>(&mut self, tracer: &Tracer, stack: &mut Stack, seen: &mut [u128]) {
         let (bvh, geometry) = (tracer.scene.bvh(), tracer.scene.geometry());
-        bvh.occluded_each_but_plates::<W>(geometry, &self.queries, stack, &mut self.occluded);
+        bvh.occluded_each_in_tree::<W>(geometry, &self.queries, stack, &mut self.occluded);
         for (&(entry, place), &occluded) in self.pairs.iter().zip(&self.occluded) {
             seen[entry as usize] |= u128::from(!occluded) << place;
         }

@@ -1,7 +1,7 @@
 //! Path reuse: neighbouring paths share the points where their second rays ended.
 //!
 //! A group is a run of neighbouring places in a bundle. Each path of it has a first surface point
-//! `x1` and, where its ray from there met something that reflects, a second one, `x2`. All first
+//! `x1`, mirrors not counted, and, where its ray from there met something that reflects, a second one, `x2`. All first
 //! points of the group are joined with all second points (Bekaert, Sbert and Halton, "Accelerating
 //! path tracing by re-using paths", 2002), and each path gets the light that every `x2` sends its
 //! way. Any of the paths could have found `x2`; the sum over all of their densities, visibility
@@ -17,6 +17,17 @@
 //! of its own at `x2`. What does not depend on the viewer there are both directions, the light that
 //! arrives, and the density of asking for it, whose receiver has the surface's own normal.
 //!
+//! A weak specular lobe, beside a diffuse one that is much stronger, costs as much to share as a
+//! strong one and gains nothing. So the integrand is split, `f1 f2 = d1 d2 + (f1 f2 - d1 d2)`, where
+//! `d` is the BRDF without its lobe if that is weak: the first part is shared, the second is what
+//! each path finds by itself. The paths still draw their directions from the whole BRDF, with
+//! density `p`; weighing them by that of the part which is shared, `q`, makes `q / p` of what each
+//! has found a factor of what it sends.
+//!
+//! What a path sees in a mirror is of no use to its neighbours, so it goes through up to two of them,
+//! and the point that it comes to then is its `x1`, of whose light the camera gets what the mirrors
+//! leave.
+//!
 //! Light that `x1` emits, that it finds by asking, and that `x2` emits stays with its own path.
 
 mod join;
@@ -27,6 +38,7 @@ mod tests;
 use crate::geometry::SurfacePoint;
 use crate::math::columns::{Column, Columns3};
 use crate::math::lanes::{Bits, Mask, Packet};
+use crate::math::special::INV_PI;
 use crate::math::{Rgb, V3};
 
 /// Largest group: the pairs of one `x2` fit into a word's bits.
@@ -43,9 +55,13 @@ pub(super) struct Firsts {
     /// Of the direction that its own path took: density in 1/sr, and BRDF times cosine over that.
     pdf: Column<f32>,
     beta: Columns3,
+    /// Density of a diffuse lobe for that direction over the density in which it was drawn.
+    diffuse_share: Column<f32>,
+    /// What the camera gets of the light that leaves towards it: 1, or less by way of mirrors.
+    throughput: Columns3,
 }
 
-/// Second surface points, in the order of their paths, with what is known of the light there.
+/// Second surface points with what is known of the light there.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Seconds {
     pub(super) count: usize,
@@ -56,6 +72,13 @@ pub(super) struct Seconds {
     sampled: Directions,
     /// BRDF in 1/sr of the sampled direction as its own path sees it, in the frame of that path.
     f: Columns3,
+    /// What its own path has of both directions: BRDF times cosine, and the density with which it
+    /// would have sampled the asked one.
+    own_asked: Columns3,
+    own_asked_pdf: Column<f32>,
+    own_sampled: Columns3,
+    /// Entries in the order of their paths.
+    order: Vec<u32>,
     /// Which of the group see it, by bit.
     seen: Vec<u128>,
     later: join::Later,
@@ -66,6 +89,14 @@ pub(super) struct Seconds {
     pub(super) emitted: Vec<[f32; 3]>,
     pub(super) emitted_pdf: Vec<f32>,
     pub(super) reflected: Vec<[f32; 3]>,
+}
+
+/// What a second point's own path makes of the two directions there: BRDF times cosine, and the
+/// density in 1/sr of sampling the asked one.
+pub(super) struct Own<P: Packet> {
+    pub(super) asked: Rgb<P>,
+    pub(super) asked_pdf: P,
+    pub(super) sampled: Rgb<P>,
 }
 
 /// Surface points turned to their viewers. The shading normals of first points are bent for the
@@ -106,28 +137,109 @@ impl Points {
 }
 
 impl Firsts {
-    /// Takes down the points of the paths from place `at` on.
+    /// Takes down those of the points of the paths from place `at` on that are first ones. The paths
+    /// have these slots, or lie at their places.
     #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
     pub(super) fn store<P: Packet>(
         &mut self,
         at: usize,
+        slots: Option<P::Bits>,
         there: P::Mask,
         point: &SurfacePoint<P>,
         wo: V3<P>,
-        what: [P::Bits; 2],
+        throughput: Rgb<P>,
+        [material, plate]: [P::Bits; 2],
     ) {
-        let all = P::mask(u32::MAX);
-        self.point.push::<P>(at, all, point, what);
-        self.wo.store(at, wo);
-        let [no, yes] = [0, 1].map(P::Bits::splat);
-        self.there.store::<P>(at, P::select_bits(there, yes, no));
+        let throughput = V3::new(throughput.r, throughput.g, throughput.b);
+        match slots {
+            None => {
+                let all = P::mask(u32::MAX);
+                self.point.push::<P>(at, all, point, [material, plate]);
+                self.wo.store(at, wo);
+                self.throughput.store(at, throughput);
+                let [no, yes] = [0, 1].map(P::Bits::splat);
+                self.there.store::<P>(at, P::select_bits(there, yes, no));
+            }
+            Some(slots) => {
+                let places = Places::new::<P>(slots, there);
+                places.put(&mut self.point.p, point.p);
+                places.put(&mut self.point.error, point.error);
+                places.put(&mut self.point.ng, point.ng);
+                places.put(&mut self.point.ns, point.ns);
+                places.put(&mut self.wo, wo);
+                places.put(&mut self.throughput, throughput);
+                let (mut words, mut plates) = ([0; 16], [0; 16]);
+                P::store_bits(material, &mut words);
+                P::store_bits(plate, &mut plates);
+                for (lane, slot) in places.each() {
+                    self.point.material.0[slot] = words[lane];
+                    self.point.plate.0[slot] = plates[lane];
+                    self.there.0[slot] = 1;
+                }
+            }
+        }
     }
 
-    /// Takes down how the paths from place `at` on go on.
+    /// Takes down how these paths go on from their first points.
     #[inline(always)]
-    pub(super) fn store_direction<P: Packet>(&mut self, at: usize, pdf: P, beta: Rgb<P>) {
-        self.pdf.store(at, pdf);
-        self.beta.store(at, V3::new(beta.r, beta.g, beta.b));
+    pub(super) fn store_direction<P: Packet>(
+        &mut self,
+        at: usize,
+        slots: Option<P::Bits>,
+        there: P::Mask,
+        [pdf, cos]: [P; 2],
+        beta: Rgb<P>,
+    ) {
+        let beta = V3::new(beta.r, beta.g, beta.b);
+        let share = cos * P::splat(INV_PI) / pdf;
+        let Some(slots) = slots else {
+            self.pdf.store(at, pdf);
+            self.diffuse_share.store(at, share);
+            return self.beta.store(at, beta);
+        };
+        let places = Places::new::<P>(slots, there);
+        places.put(&mut self.beta, beta);
+        let (mut pdfs, mut shares) = ([0.0; 16], [0.0; 16]);
+        pdf.store(&mut pdfs);
+        share.store(&mut shares);
+        for (lane, slot) in places.each() {
+            self.pdf.0[slot] = pdfs[lane];
+            self.diffuse_share.0[slot] = shares[lane];
+        }
+    }
+}
+
+/// Where some lanes belong.
+struct Places {
+    slots: [u32; 16],
+    lanes: u32,
+}
+
+impl Places {
+    #[inline(always)]
+    fn new<P: Packet>(slots: P::Bits, which: P::Mask) -> Places {
+        let mut places = Places { slots: [0; 16], lanes: which.bits() };
+        P::store_bits(slots, &mut places.slots);
+        places
+    }
+
+    #[inline(always)]
+    fn each(&self) -> impl Iterator<Item = (usize, usize)> + use<'_> {
+        let lanes = (0..16).filter(|lane| self.lanes >> lane & 1 != 0);
+        lanes.map(|lane| (lane, self.slots[lane] as usize))
+    }
+
+    #[inline(always)]
+    fn put<P: Packet>(&self, column: &mut Columns3, v: V3<P>) {
+        let mut numbers = [[0.0; 16]; 3];
+        v.x.store(&mut numbers[0]);
+        v.y.store(&mut numbers[1]);
+        v.z.store(&mut numbers[2]);
+        for (lane, slot) in self.each() {
+            let [x, y, z] = [numbers[0][lane], numbers[1][lane], numbers[2][lane]];
+            column.set(slot, V3::new(x, y, z));
+        }
     }
 }
 
@@ -145,6 +257,7 @@ impl Seconds {
 
     /// Takes down points with their asked directions and the densities of those.
     #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
     pub(super) fn push<P: Packet>(
         &mut self,
         which: P::Mask,
@@ -153,6 +266,7 @@ impl Seconds {
         what: [P::Bits; 2],
         [asked, sampled]: [(V3<P>, P); 2],
         f: Rgb<P>,
+        own: &Own<P>,
     ) {
         let at = self.count;
         self.slot.push::<P>(at, which, slot);
@@ -162,7 +276,20 @@ impl Seconds {
         self.sampled.wi.push::<P>(at, which, sampled.0);
         self.sampled.pdf.push::<P>(at, which, sampled.1);
         self.f.push_rgb::<P>(at, which, f);
+        self.own_asked.push_rgb::<P>(at, which, own.asked);
+        self.own_asked_pdf.push::<P>(at, which, own.asked_pdf);
+        self.own_sampled.push_rgb::<P>(at, which, own.sampled);
         self.count += which.bits().count_ones() as usize;
+    }
+
+    /// Finds the order of the paths: mirrors let some come to their second points later.
+    pub(super) fn sort(&mut self) {
+        self.order.clear();
+        self.order.extend(0..self.count as u32);
+        let slots = &self.slot.0[..self.count];
+        if !slots.is_sorted() {
+            self.order.sort_unstable_by_key(|&entry| slots[entry as usize]);
+        }
     }
 
     /// Whether any light arrives at the second point of this path.

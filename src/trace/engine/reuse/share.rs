@@ -12,17 +12,18 @@ use crate::math::{Frame, Rgb, V3};
 use crate::trace::Tracer;
 
 impl Tracer {
-    /// Adds to each path what the second points of its group send its way.
+    /// Adds to each path what the second points of its group send its way. Returns how often a
+    /// specular lobe was evaluated for it.
     #[inline(always)]
-    pub(in super::super) fn share<P: Packet, M: Microfacet>(&self, bundle: &mut Bundle) {
+    pub(in super::super) fn share<P: Packet, M: Microfacet>(&self, bundle: &mut Bundle) -> u64 {
         let Bundle { firsts, seconds, ends, radiance, .. } = bundle;
         let materials = &self.tables.materials;
         let mut viewers: Vec<Viewers<P>> = Vec::with_capacity(LARGEST / P::WIDTH);
         let mut pairs = Pairs::default();
         let mut run = Runs::new(ends);
-        let mut entry = 0;
-        while entry < seconds.count {
-            run.reach(seconds.slot.0[entry] as usize);
+        let (mut at, mut glossy) = (0, 0);
+        while let Some(&first) = seconds.order.get(at) {
+            run.reach(seconds.slot.0[first as usize] as usize);
             viewers.clear();
             // As many as can be summed up in the same order by any width.
             let places = run.base..run.base + run.len().next_multiple_of(16);
@@ -30,17 +31,32 @@ impl Tracer {
                 viewers.push(Viewers::load::<M>(firsts, materials, at));
             }
             let matt = (run.base..run.end).all(|at| {
-                firsts.there.0[at] == 0 || materials.is_matt(firsts.point.material.0[at])
+                let lobes = materials.shared_lobes(firsts.point.material.0[at]);
+                firsts.there.0[at] == 0 || lobes.ks.is_black()
             });
-            while entry < seconds.count && (seconds.slot.0[entry] as usize) < run.end {
-                if seconds.is_lit(seconds.slot.0[entry] as usize) {
-                    let second = Second::at(seconds, materials, entry);
-                    second.send::<P, M>(firsts, run.base, matt, &mut viewers, &mut pairs);
+            while let Some(&entry) = seconds.order.get(at) {
+                let entry = entry as usize;
+                let slot = seconds.slot.0[entry] as usize;
+                if slot >= run.end {
+                    break;
                 }
-                entry += 1;
+                at += 1;
+                if seconds.is_lit(slot) {
+                    let second = Second::at(seconds, firsts, materials, entry);
+                    // At the first points one direction, at the second one two.
+                    let lobes = u64::from(!matt) + 2 * u64::from(!second.shared.ks.is_black());
+                    glossy += lobes * run.len() as u64;
+                    let rest =
+                        second.send::<P, M>(firsts, run.base, matt, &mut viewers, &mut pairs);
+                    let rest = rest * Rgb::from(firsts.throughput.get(slot));
+                    let own = &mut radiance[slot];
+                    for (sum, rest) in own.iter_mut().zip(<[f32; 3]>::from(rest)) {
+                        *sum += rest;
+                    }
+                }
             }
             for (at, viewers) in (run.base..run.end).step_by(P::WIDTH).zip(&viewers) {
-                let mut sum = viewers.sum;
+                let mut sum = viewers.sum * firsts.throughput.load_rgb::<P>(at);
                 if matt {
                     sum *= viewers.view.lobes().kd;
                 }
@@ -56,6 +72,7 @@ impl Tracer {
                 }
             }
         }
+        glossy
     }
 }
 
@@ -76,7 +93,7 @@ impl<P: Packet> Viewers<P> {
         Viewers {
             p: firsts.point.p.load::<P>(at),
             frame,
-            view: material.lobes.seen_from::<M>(wo),
+            view: material.shared_lobes().seen_from::<M>(wo),
             sum: Rgb::splat(P::splat(0.0)),
         }
     }
@@ -126,30 +143,51 @@ struct Second {
     p: V3,
     ng: V3,
     frame: Frame,
+    /// All of the BRDF, and the part that is shared.
     lobes: Lobes,
+    shared: Lobes,
+    /// Kd of the path's first point if the lobe there is weak.
+    weak_first: Option<Rgb>,
     asked: (V3, f32),
     sampled: (V3, f32),
     f: Rgb,
+    own: OwnSecond,
     light: Rgb,
     emitted: Rgb,
     emitted_pdf: f32,
     reflected: Rgb,
 }
 
+/// What its own path makes of the two directions: BRDF times cosine, and the density of sampling
+/// the asked one.
+struct OwnSecond {
+    asked: Rgb,
+    asked_pdf: f32,
+    sampled: Rgb,
+}
+
 impl Second {
     #[inline(always)]
-    fn at(seconds: &Seconds, materials: &MaterialTable, entry: usize) -> Second {
+    fn at(seconds: &Seconds, firsts: &Firsts, materials: &MaterialTable, entry: usize) -> Second {
         let slot = seconds.slot.0[entry] as usize;
+        let (first, second) = (firsts.point.material.0[slot], seconds.point.material.0[entry]);
         Second {
             slot,
             seen: seconds.seen[entry],
             p: seconds.point.p.get(entry).into(),
             ng: seconds.point.ng.get(entry).into(),
             frame: Frame::around(V3::from(seconds.point.ns.get(entry))),
-            lobes: materials.lobes(seconds.point.material.0[entry]),
+            lobes: materials.lobes(second),
+            shared: materials.shared_lobes(second),
+            weak_first: materials.is_weak(first).then(|| materials.lobes(first).kd),
             asked: (seconds.asked.wi.get(entry).into(), seconds.asked.pdf.0[entry]),
             sampled: (seconds.sampled.wi.get(entry).into(), seconds.sampled.pdf.0[entry]),
             f: seconds.f.get(entry).into(),
+            own: OwnSecond {
+                asked: seconds.own_asked.get(entry).into(),
+                asked_pdf: seconds.own_asked_pdf.0[entry],
+                sampled: seconds.own_sampled.get(entry).into(),
+            },
             light: seconds.light[slot].into(),
             emitted: seconds.emitted[slot].into(),
             emitted_pdf: seconds.emitted_pdf[slot],
@@ -158,7 +196,8 @@ impl Second {
     }
 
     /// Adds to the viewers what this point sends them; where all of them are `matt`, what is still to
-    /// be multiplied by their reflectance.
+    /// be multiplied by their reflectance. Returns what its own path has besides, of lobes that are
+    /// not shared.
     #[inline(always)]
     fn send<P: Packet, M: Microfacet>(
         &self,
@@ -167,51 +206,90 @@ impl Second {
         matt: bool,
         viewers: &mut [Viewers<P>],
         pairs: &mut Pairs,
-    ) {
+    ) -> Rgb {
         let group = viewers.len() * P::WIDTH;
         let own = self.slot - base;
         if matt {
             self.join_matt::<P>(viewers, pairs);
         } else {
             self.join::<P, M>(viewers, pairs);
-            // Its own path knows these from having sampled them, to more digits.
-            let density = firsts.pdf.0[self.slot] * pairs.geometry[own];
-            pairs.density[own] = density;
-            let beta = firsts.beta.get(self.slot);
-            for (carried, beta) in pairs.carried.iter_mut().zip(beta) {
+        }
+        // The density with which its own path found the point, by area.
+        let away = self.p - V3::from(firsts.point.p.get(self.slot));
+        let inverse2 = 1.0 / away.length2();
+        let geometry = self.ng.dot(away).abs() * inverse2 * inverse2.sqrt();
+        let density = firsts.pdf.0[self.slot] * geometry;
+        // Of what it sends the part that is shared has this share. Its own path knows its own numbers
+        // from having sampled them, to more digits.
+        let mut share = 1.0;
+        let mut beta = Rgb::from(firsts.beta.get(self.slot));
+        if let Some(kd) = self.weak_first {
+            share = firsts.diffuse_share.0[self.slot];
+            beta = kd * share;
+        }
+        if self.weak_first.is_some() || !matt {
+            pairs.density[own] = share * density;
+        }
+        if !matt {
+            for (carried, beta) in pairs.carried.iter_mut().zip(<[f32; 3]>::from(beta)) {
                 carried[own] = beta * density;
             }
         }
+        // A normal that is bent for some is a reason to share all that is there: the frames differ.
+        let bends = self.bends_for(viewers);
+        let mut rest = Rgb::BLACK;
+        if self.weak_first.is_some() || (self.shared.ks != self.lobes.ks && !bends) {
+            rest = self.rest(firsts, share, bends);
+        }
         let all = sum(&pairs.density, group);
-        let per_all = 1.0 / all;
-        if !(all > 0.0 && per_all > 0.0) {
-            return;
+        let per_all = share / all;
+        if !(all > 0.0 && per_all > 0.0 && per_all < f32::INFINITY) {
+            return rest;
         }
         let cosines = [self.asked.0.z, self.sampled.0.z];
-        if self.bends_for(viewers) {
+        if bends {
             self.evaluate_bent::<P, M>(viewers, pairs);
             // Its own path knows the BRDF to more digits.
-            let back = V3::from(firsts.point.p.get(self.slot)) - self.p;
-            let (n, _) = bent(self.ng, self.frame.n, back.normalize());
-            let cos = n.dot(self.frame.to_world(self.sampled.0));
-            self.spread(viewers, pairs, (own, self.f * cos), matt, per_all, [1.0; 2]);
-            return;
+            self.spread(viewers, pairs, (own, self.own.sampled), matt, [all, per_all], [1.0; 2]);
+            return rest;
         }
-        if self.lobes.ks.is_black() {
-            let up = V3::new(0.0, 0.0, 1.0);
-            let [asked, sampled] =
-                [self.asked.0, self.sampled.0].map(|wi| self.lobes.eval::<M>(up, wi));
-            let asked = self.by_asking(asked.pdf, cosines[0]) * asked.f;
-            let sampled = self.by_sampling(sampled.pdf, cosines[1]) * sampled.f;
-            let lo = (asked + sampled) * per_all;
+        if self.shared.ks.is_black() {
+            let lo = self.diffusely(self.lobes.kd) * per_all;
             let lo = lo.splat_lanes::<P>();
             for (at, viewers) in (0..).step_by(P::WIDTH).zip(viewers) {
                 viewers.sum += pairs.carried_at::<P>(at, matt) * lo;
             }
-            return;
+            return rest;
         }
         self.evaluate::<P, M>(viewers, pairs);
-        self.spread(viewers, pairs, (own, self.f), matt, per_all, cosines);
+        self.spread(viewers, pairs, (own, self.f), matt, [all, per_all], cosines);
+        rest
+    }
+
+    /// What it sends back by its diffuse lobe, as its own path finds it.
+    #[inline(always)]
+    fn diffusely(&self, kd: Rgb) -> Rgb {
+        let [asked, sampled] = [self.asked.0.z, self.sampled.0.z];
+        let pdf =
+            if self.lobes.ks.is_black() { asked.max(0.0) * INV_PI } else { self.own.asked_pdf };
+        let light = self.by_asking(pdf, asked) + self.by_sampling(self.sampled.1, sampled);
+        kd * light * INV_PI
+    }
+
+    /// What its own path has by lobes that are not shared; `share` is the part of it that is.
+    #[inline(always)]
+    fn rest(&self, firsts: &Firsts, share: f32, bends: bool) -> Rgb {
+        let OwnSecond { asked, asked_pdf, sampled } = self.own;
+        // The BRDFs have their cosines already.
+        let whole = asked * self.by_asking(asked_pdf, 1.0)
+            + sampled * self.by_sampling(self.sampled.1, 1.0);
+        let weak_second = self.shared.ks != self.lobes.ks && !bends;
+        let shared = if weak_second { self.diffusely(self.lobes.kd) } else { whole };
+        let beta = Rgb::from(firsts.beta.get(self.slot));
+        let shared_beta = self.weak_first.map_or(beta, |kd| kd * share);
+        let less = |a: f32, b: f32| (a - b).max(0.0);
+        let (a, b) = (beta * whole, shared_beta * shared);
+        Rgb::new(less(a.r, b.r), less(a.g, b.g), less(a.b, b.b))
     }
 
     /// Adds up what was evaluated for all pairs, `f` for its own path's. The BRDFs are still to be
@@ -223,7 +301,7 @@ impl Second {
         pairs: &mut Pairs,
         (own, f): (usize, Rgb),
         matt: bool,
-        per_all: f32,
+        [all, per_all]: [f32; 2],
         cosines: [f32; 2],
     ) {
         let group = viewers.len() * P::WIDTH;
@@ -231,21 +309,40 @@ impl Second {
         for (row, f) in pairs.f[1].iter_mut().zip(<[f32; 3]>::from(f)) {
             row[own] = f;
         }
+        let wanted = self.wanted();
         let mut densities = [0.0; 2];
-        for (density, pdf) in densities.iter_mut().zip(&pairs.pdf) {
+        for (which, density) in densities.iter_mut().enumerate() {
+            if !wanted[which] {
+                continue;
+            }
+            let pdf = &pairs.pdf[which];
             let mut products = [0.0; LARGEST];
             let shares = &pairs.density[..group];
             for ((product, pdf), share) in products.iter_mut().zip(pdf).zip(shares) {
                 *product = pdf * share;
             }
-            *density = sum(&products, group) * per_all;
+            *density = sum(&products, group) / all;
         }
-        let asked = (self.by_asking(densities[0], cosines[0]) * per_all).splat_lanes::<P>();
-        let sampled = (self.by_sampling(densities[1], cosines[1]) * per_all).splat_lanes::<P>();
-        for (at, viewers) in (0..).step_by(P::WIDTH).zip(viewers) {
-            let lo = pairs.f_at::<P>(0, at) * asked + pairs.f_at::<P>(1, at) * sampled;
-            viewers.sum += pairs.carried_at::<P>(at, matt) * lo;
+        let lights = [
+            self.by_asking(densities[0], cosines[0]) * per_all,
+            self.by_sampling(densities[1], cosines[1]) * per_all,
+        ];
+        for (which, light) in lights.into_iter().enumerate() {
+            if !wanted[which] {
+                continue;
+            }
+            let light = light.splat_lanes::<P>();
+            for (at, viewers) in (0..).step_by(P::WIDTH).zip(&mut *viewers) {
+                let lo = pairs.f_at::<P>(which, at) * light;
+                viewers.sum += pairs.carried_at::<P>(at, matt) * lo;
+            }
         }
+    }
+
+    /// From which of the two directions there comes any light.
+    #[inline(always)]
+    fn wanted(&self) -> [bool; 2] {
+        [!self.light.is_black(), !(self.emitted.is_black() && self.reflected.is_black())]
     }
 
     /// What arrives from the asked light, times the cosine, over the density of its direction:
@@ -328,6 +425,7 @@ impl Second {
         let (ng, ns) = (self.ng.splat_lanes::<P>(), self.frame.n.splat_lanes::<P>());
         let lobes = self.lobes.splat_lanes::<P>();
         let ways = [self.asked, self.sampled].map(|(wi, _)| self.frame.to_world(wi));
+        let wanted = self.wanted();
         for (at, viewers) in (0..).step_by(P::WIDTH).zip(viewers) {
             let seen = P::mask((self.seen >> at) as u32);
             let back = viewers.p - p2;
@@ -335,6 +433,9 @@ impl Second {
             let frame = Frame::around(bent(ng, ns, wo).0);
             let view = lobes.seen_from::<M>(frame.to_local(wo));
             for (which, wi) in ways.into_iter().enumerate() {
+                if !wanted[which] {
+                    continue;
+                }
                 let wi = frame.to_local(wi.splat_lanes());
                 let e = view.eval::<M>(wi);
                 let carries = seen & wi.z.gt(P::splat(0.0)) & !is_black(e.f);
@@ -353,12 +454,16 @@ impl Second {
         let p2 = self.p.splat_lanes::<P>();
         let frame = self.frame.splat_lanes::<P>();
         let lobes = self.lobes.splat_lanes::<P>();
+        let wanted = self.wanted();
         for (at, viewers) in (0..).step_by(P::WIDTH).zip(viewers) {
             let seen = P::mask((self.seen >> at) as u32);
             let back = viewers.p - p2;
             let wo = frame.to_local(back * (P::splat(1.0) / back.length2()).sqrt());
             let view = lobes.seen_from::<M>(wo);
             for (which, (wi, _)) in [self.asked, self.sampled].into_iter().enumerate() {
+                if !wanted[which] {
+                    continue;
+                }
                 let e = view.eval::<M>(wi.splat_lanes());
                 let pdf = e.pdf.or_zero(seen & !is_black(e.f));
                 pdf.store(&mut pairs.pdf[which][at..]);

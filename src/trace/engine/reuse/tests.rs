@@ -2,7 +2,7 @@
 
 use super::super::Bundle;
 use super::{Firsts, Points, Seconds};
-use crate::brdf::{Ggx, Lobes, Microfacet, Model, Phong};
+use crate::brdf::{Ggx, Lobes, Microfacet, Model, Phong, Roughness};
 use crate::geometry::{Ray, bent, offset_origin};
 use crate::math::lanes::Isa;
 use crate::math::{Frame, Rgb, V3};
@@ -19,6 +19,15 @@ struct Point {
     ng: V3,
     frame: Frame,
     lobes: Lobes,
+    /// Whether there is a specular lobe that is not shared.
+    weak: bool,
+}
+
+impl Point {
+    /// What is shared of the BRDF.
+    fn shared(&self) -> Lobes {
+        if self.weak { Lobes { ks: Rgb::BLACK, ..self.lobes } } else { self.lobes }
+    }
 }
 
 impl Points {
@@ -29,6 +38,7 @@ impl Points {
             ng: self.ng.get(at).into(),
             frame: Frame::around(V3::from(self.ns.get(at))),
             lobes: tracer.tables.materials.lobes(self.material.0[at]),
+            weak: tracer.tables.materials.is_weak(self.material.0[at]),
         }
     }
 }
@@ -62,57 +72,108 @@ fn naive<M: Microfacet>(
         let second = seconds.point.one(tracer, entry);
         let directions = [&seconds.asked, &seconds.sampled]
             .map(|d| (V3::from(d.wi.get(entry)), f64::from(d.pdf.0[entry])));
-        // Of each path: density by area of finding the point, what it carries from there, and BRDF
-        // and density of either direction.
-        let of = |i: usize| {
-            let seen = firsts.there.0[i] != 0 && (i == slot || sees(i, entry));
-            seen.then(|| {
-                let first = firsts.point.one(tracer, i);
-                let away = second.p - first.p;
-                let wi = away.normalize();
-                let geometry = f64::from(second.ng.dot(wi).abs()) / f64::from(away.length2());
-                let local = first.frame.to_local(wi);
-                let wo = first.frame.to_local(V3::from(firsts.wo.get(i)));
-                let e = first.lobes.eval::<M>(wo, local);
-                let carried = wide(e.f).map(|f| f * f64::from(local.z) * geometry);
-                // Each viewer has a frame of his own there.
-                let frame = Frame::around(bent(second.ng, second.frame.n, -wi).0);
-                let there = directions.map(|(d, _)| {
-                    let d = frame.to_local(second.frame.to_world(d));
-                    if d.z <= 0.0 {
-                        return ([0.0; 3], 0.0);
-                    }
-                    let e = second.lobes.eval::<M>(frame.to_local(-wi), d);
-                    (wide(e.f).map(|f| f * f64::from(d.z)), f64::from(e.pdf))
-                });
-                (f64::from(e.pdf) * geometry, carried, there)
+        let there = |i: usize| firsts.there.0[i] != 0 && (i == slot || sees(i, entry));
+        let towards = |i: usize| (second.p - firsts.point.one(tracer, i).p).normalize();
+        // Each viewer has a frame of his own there, and where that is another one all is shared: by
+        // the very numbers of the engine, for what is at the border is one or the other.
+        let bends_for = |i: usize| {
+            let back = firsts.point.one(tracer, i).p - second.p;
+            bent(second.ng, second.frame.n, back * (1.0 / back.length2()).sqrt()).1
+        };
+        let bends = second.frame.n != second.ng && (base..end).any(|i| there(i) && bends_for(i));
+        let shared_second = if bends { second.lobes } else { second.shared() };
+        // BRDF times cosine and density of both directions.
+        let back = |lobes: Lobes, wi: V3| {
+            let frame = Frame::around(bent(second.ng, second.frame.n, -wi).0);
+            directions.map(|(d, _)| {
+                let d = frame.to_local(second.frame.to_world(d));
+                if d.z <= 0.0 {
+                    return ([0.0; 3], 0.0);
+                }
+                let e = lobes.eval::<M>(frame.to_local(-wi), d);
+                (wide(e.f).map(|f| f * f64::from(d.z)), f64::from(e.pdf))
             })
         };
-        let all: Vec<_> = (base..end).map(of).collect();
+        // Of each path: density by area of finding the point, what it carries from there, and BRDF
+        // and density of either direction.
+        let of = |i: usize, shared: bool| {
+            let first = firsts.point.one(tracer, i);
+            let wi = towards(i);
+            let away = second.p - first.p;
+            let geometry = f64::from(second.ng.dot(wi).abs()) / f64::from(away.length2());
+            let local = first.frame.to_local(wi);
+            let wo = first.frame.to_local(V3::from(firsts.wo.get(i)));
+            let lobes = if shared { first.shared() } else { first.lobes };
+            let e = lobes.eval::<M>(wo, local);
+            let carried = wide(e.f).map(|f| f * f64::from(local.z) * geometry);
+            let lobes = if shared { shared_second } else { second.lobes };
+            (f64::from(e.pdf) * geometry, carried, back(lobes, wi))
+        };
+        let mut all: Vec<_> = (base..end).map(|i| there(i).then(|| of(i, true))).collect();
+        // Of its own path all that was drawn is known, to more digits than can be found again.
+        let first = firsts.point.one(tracer, slot);
+        let mut whole = of(slot, false);
+        let geometry = whole.0 / f64::from(own_pdf::<M>(firsts, slot, &first, towards(slot)));
+        whole.0 = f64::from(firsts.pdf.0[slot]) * geometry;
+        whole.1 = firsts.beta.get(slot).map(|beta| f64::from(beta) * whole.0);
+        let mut own = (whole.0, whole.1, all[slot - base].as_ref().expect("it sees it").2);
+        let mut share = 1.0;
+        if first.weak {
+            share = f64::from(firsts.diffuse_share.0[slot]);
+            own.0 = share * whole.0;
+            own.1 = wide(first.lobes.kd).map(|kd| kd * own.0);
+        }
+        all[slot - base] = Some(own);
         let some = || all.iter().flatten();
         let shared = |which: usize| some().map(|s| s.0 * s.2[which].1).sum::<f64>();
         let density: f64 = some().map(|s| s.0).sum();
+        // Where a lobe is left out, the density with which its own path draws the direction.
+        let leaves_out = second.weak && !bends;
+        let mean = |which: usize| {
+            if leaves_out { whole.2[which].1 } else { shared(which) / density }
+        };
         let [light, emitted, reflected] = [&seconds.light, &seconds.emitted, &seconds.reflected]
             .map(|light| light[slot].map(f64::from));
         let emitted_pdf = f64::from(seconds.emitted_pdf[slot]);
         let [asked, sampled] = directions;
-        for (sum, one) in sums.iter_mut().zip(&all) {
-            let Some((_, carried, there)) = one else { continue };
-            for c in 0..3 {
-                let mut lo = 0.0;
-                if light[c] > 0.0 {
-                    let by = density * asked.1 + shared(0);
-                    lo += there[0].0[c] * light[c] / by;
-                }
-                if sampled.1 > 0.0 {
-                    let by = density * emitted_pdf + shared(1);
-                    lo += there[1].0[c] * (emitted[c] / by + reflected[c] / shared(1));
-                }
-                sum[c] += carried[c] * lo;
+        // What arrives by both directions, with these densities of sampling them.
+        let sent = |back: &[([f64; 3], f64); 2], pdf: [f64; 2], c: usize| {
+            let mut lo = 0.0;
+            if light[c] > 0.0 {
+                lo += back[0].0[c] * light[c] / (asked.1 + pdf[0]);
             }
+            if sampled.1 > 0.0 {
+                let way = emitted[c] / (emitted_pdf + pdf[1]) + reflected[c] / pdf[1];
+                lo += back[1].0[c] * way;
+            }
+            lo
+        };
+        for c in 0..3 {
+            for (sum, one) in sums.iter_mut().zip(&all) {
+                let Some((_, carried, back)) = one else { continue };
+                sum[c] += carried[c] * sent(back, [mean(0), mean(1)], c) * share / density;
+            }
+            // The rest, by its own path alone.
+            let pdf = [whole.2[0].1, whole.2[1].1];
+            let rest = |of: &(f64, [f64; 3], [([f64; 3], f64); 2])| {
+                of.1[c] * sent(&of.2, pdf, c) / whole.0
+            };
+            let is_split = leaves_out || first.weak;
+            sums[slot - base][c] += if is_split { rest(&whole) - rest(&own) } else { 0.0 };
+        }
+    }
+    for (i, sum) in (base..end).zip(&mut sums) {
+        for (sum, throughput) in sum.iter_mut().zip(firsts.throughput.get(i)) {
+            *sum *= f64::from(throughput);
         }
     }
     sums
+}
+
+/// Density in 1/sr with which a path's first point finds a direction.
+fn own_pdf<M: Microfacet>(firsts: &Firsts, slot: usize, first: &Point, wi: V3) -> f32 {
+    let wo = first.frame.to_local(V3::from(firsts.wo.get(slot)));
+    first.lobes.eval::<M>(wo, first.frame.to_local(wi)).pdf
 }
 
 /// A bundle after a pass by the engine, with what its paths received by sharing.
@@ -123,15 +184,26 @@ fn traced<M: Microfacet>(tracer: &Tracer, hand: &Hand, scratch: &mut Scratch) ->
 
 #[test]
 fn every_group_gets_what_the_formula_says() {
-    for (name, model) in
-        [("cornell", Model::Ggx), ("plates", Model::Phong), ("default", Model::Ggx)]
-    {
+    for (name, model, weak) in [
+        ("cornell", Model::Ggx, false),
+        ("plates", Model::Phong, false),
+        ("default", Model::Ggx, false),
+        ("default", Model::Ggx, true),
+        ("cornell", Model::Phong, true),
+    ] {
         let mut scene = Example::named(name).unwrap().read().unwrap().0.build();
         for isa in Isa::available() {
             scene.set_isa(isa);
             let shared = Arc::new(scene);
             let size = [64, 48];
-            let params = Params { size, model, ..Params::new(shared.clone()) };
+            let mut params = Params { size, model, ..Params::new(shared.clone()) };
+            if weak {
+                for material in Arc::make_mut(&mut params.materials) {
+                    let dim = material.ks == [0.0; 3];
+                    material.ks = if dim { material.kd.map(|kd| 0.05 * kd) } else { material.ks };
+                    material.roughness = Roughness::from_alpha(0.3).unwrap();
+                }
+            }
             let tracer = params.tracer();
             match model {
                 Model::Ggx => compare::<Ggx>(&tracer, size),

@@ -1,27 +1,27 @@
-//! Plates that lie together: passed over together by rays that miss the box around them.
+//! Shapes that lie together: passed over together by rays that miss the box around them.
 
-use crate::geometry::extent::Extent;
+use super::extent::Extent;
 use crate::math::V3;
 
-/// What looking at a box costs, in units of a plate.
+/// What looking at a box costs, in units of a shape.
 const BOX_COST: f64 = 0.5;
 /// So many rays that have nothing to do with each other are as good as a register of those that do
-/// have: any of them in the box, and its plates are looked at.
+/// have: any of them in the box, and its shapes are looked at.
 const TOGETHER: i32 = 8;
 
-/// A box and the plates in it.
+/// A box and the shapes in it, by number.
 #[derive(Clone, Debug)]
 pub(super) struct Cluster {
     pub(super) extent: Extent,
-    pub(super) plates: Vec<u32>,
+    pub(super) members: Vec<u32>,
 }
 
 /// Lowest and highest corner.
 pub(super) type Bounds = [V3; 2];
 
-/// Puts plates with these bounds together, in a scene of this surface: those for which a box saves
-/// more than it costs, and the rest.
-pub(super) fn gather(plates: &[(u32, Bounds)], scene: Bounds) -> (Vec<Cluster>, Vec<u32>) {
+/// Puts shapes with these numbers and bounds together, in a scene with these: those for which a box
+/// saves more than it costs, and the rest.
+pub(super) fn gather(shapes: &[(u32, Bounds)], scene: Bounds) -> (Vec<Cluster>, Vec<u32>) {
     let whole = surface(scene).max(f64::MIN_POSITIVE);
     let cost = |bounds: Bounds, count: usize| {
         if count == 1 {
@@ -32,9 +32,9 @@ pub(super) fn gather(plates: &[(u32, Bounds)], scene: Bounds) -> (Vec<Cluster>, 
         BOX_COST + any * count as f64
     };
     let mut parts: Vec<(Bounds, Vec<u32>)> =
-        plates.iter().map(|&(at, bounds)| (bounds, vec![at])).collect();
-    let alone = |(bounds, plates): &(Bounds, Vec<u32>)| {
-        cost(*bounds, plates.len()).min(plates.len() as f64)
+        shapes.iter().map(|&(at, bounds)| (bounds, vec![at])).collect();
+    let alone = |(bounds, members): &(Bounds, Vec<u32>)| {
+        cost(*bounds, members.len()).min(members.len() as f64)
     };
     loop {
         let mut best = (-1e-9, None);
@@ -54,22 +54,23 @@ pub(super) fn gather(plates: &[(u32, Bounds)], scene: Bounds) -> (Vec<Cluster>, 
         parts[i].1.append(&mut others);
     }
     let (mut clusters, mut rest) = (Vec::new(), Vec::new());
-    for (bounds, mut plates) in parts {
-        plates.sort_unstable();
-        if cost(bounds, plates.len()) < plates.len() as f64 {
-            clusters.push(Cluster { extent: Extent::from_corners(bounds), plates });
+    for (bounds, mut members) in parts {
+        members.sort_unstable();
+        if cost(bounds, members.len()) < members.len() as f64 {
+            clusters.push(Cluster { extent: Extent::from_corners(bounds), members });
         } else {
-            rest.append(&mut plates);
+            rest.append(&mut members);
         }
     }
     (clusters, rest)
 }
 
-fn around([a, b]: Bounds, [c, d]: Bounds) -> Bounds {
+pub(super) fn around([a, b]: Bounds, [c, d]: Bounds) -> Bounds {
     [a.min(c), b.max(d)]
 }
 
-fn surface([low, high]: Bounds) -> f64 {
+/// Half the surface of a box.
+pub(super) fn surface([low, high]: Bounds) -> f64 {
     let size = high - low;
     let [x, y, z] = [size.x, size.y, size.z].map(|x| f64::from(x.max(0.0)));
     x * y + y * z + z * x
