@@ -11,7 +11,7 @@ use support::Random;
 
 fn film(samples: impl Iterator<Item = f32>) -> Film {
     let mut film = Film::default();
-    film.clear(1);
+    film.clear(1, 1);
     for sample in samples {
         film.begin_pass();
         film.add(0, Rgb::new(sample, 2.0 * sample, 0.0));
@@ -108,4 +108,34 @@ fn counts_have_64_bits_and_the_sequence_does_not_begin_again() {
             assert!(x.iter().zip(&y).all(|(x, y)| x != y), "passes {a} and {b} are alike");
         }
     }
+}
+
+/// Once replicates have different numbers of samples, each counts as much as the others: the mean is
+/// that of their means, and so is its variance.
+#[test]
+fn uneven_replicates_count_alike() {
+    let mut film = Film::default();
+    film.clear(20, 20);
+    // Replicates of the first cell's pixels: 1; 2, 4; 3; 6, 6, 6.
+    let samples: [&[f32]; REPLICATES] = [&[1.0], &[2.0, 4.0], &[3.0], &[6.0, 6.0, 6.0]];
+    for (replicate, samples) in samples.into_iter().enumerate() {
+        for &x in samples {
+            (0..16).for_each(|pixel| film.add_to(pixel, replicate, Rgb::splat(x)));
+            film.count_samples(0, replicate);
+        }
+    }
+    for _ in 0..REPLICATES {
+        (16..20).for_each(|pixel| film.add(pixel, Rgb::splat(7.0)));
+        film.end_uneven_pass();
+    }
+    for replicate in 0..REPLICATES {
+        film.count_samples(1, replicate);
+    }
+    assert_eq!((film.cells(), film.samples(0), film.samples(1)), (2, 7, 4));
+    let found = film.estimate(20);
+    assert_eq!(found.mean[3], [(1.0 + 3.0 + 3.0 + 6.0) / 4.0; 3]);
+    assert_eq!(found.mean[17], [7.0; 3]);
+    let squares: f64 = [1.0, 3.0, 3.0, 6.0].iter().map(|m: &f64| (m - 3.25).powi(2)).sum();
+    let expected = (squares / 12.0).sqrt();
+    assert!((f64::from(found.standard_error[3][0]) - expected).abs() < 1e-6);
 }

@@ -25,6 +25,7 @@ const ONE_PLACE: [(&str, &[&str]); 28] = [
         &[
             "src/geometry/bvh.rs",
             "src/geometry/pairing.rs",
+            "src/geometry/parts.rs",
             "src/geometry/treelets.rs",
             "src/geometry/widen.rs",
         ],
@@ -54,7 +55,7 @@ const ONE_PLACE: [(&str, &[&str]); 28] = [
     // What a processor has, and what a system: all else is the same for every machine.
     ("target_arch", &["src/math/lanes/"]),
     ("std::arch", &["src/math/lanes/"]),
-    ("target_os", &["src/geometry/pages.rs", "src/viewer/mod.rs"]),
+    ("target_os", &["src/cli/memory.rs", "src/geometry/pages.rs", "src/viewer/mod.rs"]),
     ("dirs::", &["src/viewer/settings.rs"]),
     (
         "std::time::Instant",

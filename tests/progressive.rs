@@ -35,12 +35,15 @@ fn finished(session: &Session, epoch: u64) -> Snapshot {
 fn the_same_bits_on_any_number_of_threads() {
     for model in Model::ALL {
         let params = Params { model, ..Params::new(small_room()) };
-        let one = render(params.clone(), 11, 1).unwrap();
+        // Once all pixels have the same number of samples, once they do not.
+        let passes = if model == Model::Ggx { 75 } else { 11 };
+        let one = render(params.clone(), passes, 1).unwrap();
         assert_eq!(one.counts.nonfinite, 0);
-        assert_eq!(one.counts.paths, 70 * 50 * 11);
+        assert!(passes > 16 || one.counts.paths == 70 * 50 * passes);
         for threads in [2, 7, 16] {
-            let many = render(params.clone(), 11, threads).unwrap();
+            let many = render(params.clone(), passes, threads).unwrap();
             assert_eq!(one.mean(), many.mean());
+            assert_eq!(one.samples(), many.samples());
             assert_eq!(one.standard_error(), many.standard_error());
             assert_eq!(one.counts, many.counts);
             assert_eq!(one.error, many.error);
@@ -119,7 +122,9 @@ fn many_stops_leave_no_trace() {
     };
     assert!(end.mean() == plain.mean() && end.standard_error() == plain.standard_error());
     assert_eq!(end.counts.paths, plain.counts.paths);
-    assert_eq!((end.counts.paths, stops > 1), (120 * 200 * PASSES, true));
+    // On the mean a sample a pixel and pass.
+    let mean = end.counts.paths as f64 / f64::from(120 * 200) / PASSES as f64;
+    assert!((mean - 1.0).abs() < 0.02 && stops > 1, "{mean}, {stops} stops");
 }
 
 #[test]

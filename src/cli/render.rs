@@ -118,12 +118,12 @@ fn render(args: &Args, job: &Job, loaded: &Loaded, started: Instant) -> Result<b
     if traced.snapshot.counts.paths == 0 {
         return Err(Failure::new("stopped before the first sample: nothing is written"));
     }
-    let picture = traced.snapshot.mean();
+    let (picture, samples) = (traced.snapshot.mean(), traced.snapshot.samples());
     let tone = Tone { exposure: args.exposure, curve: args.tone };
     let recipe = Recipe::new(&params, &traced.snapshot);
     let mut failures = Failures::default();
     for path in &job.outputs {
-        match recipe.save(path, &picture, tone) {
+        match recipe.save_with_samples(path, &picture, &samples, tone) {
             Ok(()) => detail(format_args!("written: {}", plain::path(path))),
             Err(e) => failures.add(format_args!("{e}; {}", rescue(path, &recipe, &picture, tone))),
         }

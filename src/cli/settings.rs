@@ -60,6 +60,10 @@ pub(super) struct Settings {
     /// So many neighbours share, instead of as many as a pilot finds best for the scene.
     #[arg(long, value_name = "N", value_parser = values::group(), conflicts_with = "no_reuse")]
     group: Option<Group>,
+    /// The same number of samples for every pixel. Otherwise, from pass 16 on, a pass is one sample a
+    /// pixel on the mean, and more where the picture is noisier, which is exactly unbiased too.
+    #[arg(long)]
+    uniform: bool,
 }
 
 impl Settings {
@@ -74,6 +78,7 @@ impl Settings {
         params.erratum = self.erratum;
         params.reference = self.reference;
         params.group = if self.no_reuse { Some(Group::None) } else { self.group };
+        params.uniform = self.uniform;
         params.size = self.size.unwrap_or(params.size);
         params.camera = self.camera.unwrap_or(params.camera);
         match self.alpha.or(self.exponent) {

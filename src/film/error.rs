@@ -240,7 +240,7 @@ mod tests {
 
     fn film(pixels: &[&[f32]]) -> Film {
         let mut film = Film::default();
-        film.clear(pixels.len());
+        film.clear(pixels.len(), pixels.len());
         for pass in 0..pixels[0].len() {
             for (i, samples) in pixels.iter().enumerate() {
                 film.add(i, Rgb::splat(samples[pass]));
@@ -253,7 +253,7 @@ mod tests {
     #[test]
     fn ten_million_equal_passes_keep_their_mean() {
         let mut film = Film::default();
-        film.clear(1);
+        film.clear(1, 1);
         for _ in 0..10_000_000 {
             film.add(0, Rgb::splat(0.1));
             film.end_pass();

@@ -3,6 +3,12 @@
 //! Samples of one low-discrepancy sequence are not independent: their spread overstates the error
 //! of their mean. The passes are therefore dealt in turn to a few independently randomised
 //! replicates ([`REPLICATES`]), and the spread of the replicates' means is the error.
+//!
+//! Not all pixels need as many samples. The unit in which they may differ is a [cell](CELL), and
+//! there the replicates: the first two have the same number, and the last two. Once these differ, a
+//! pixel is the plain mean of its replicates' means. Dividing all of its samples by their number
+//! would bring a bias: numbers are chosen by what samples say, and which replicates have many would
+//! depend on what the others found.
 
 mod error;
 mod interval;
@@ -13,13 +19,21 @@ pub use interval::{CONFIDENCE, Interval, normal_score, ratio, student};
 use crate::math::Rgb;
 use crate::math::sequence::REPLICATES;
 
+/// Side in pixels of the cells of a film, each of which has numbers of samples of its own.
+pub const CELL: usize = 16;
+
 /// The sums of a rectangle of pixels.
 #[derive(Clone, Debug, Default)]
 pub struct Film {
+    width: usize,
     sums: Vec<[[f64; 3]; REPLICATES]>,
+    /// Samples that each pixel of a cell has, by replicate; cells row by row.
+    counts: Vec<[u64; REPLICATES]>,
+    /// What [`Film::note_spread`] has noted, by cell and half of the replicates.
+    spreads: Vec<[Vec<f32>; 2]>,
     passes: u64,
-    /// Pixels to become when the next pass begins; `None` while the sums are good.
-    retired: Option<usize>,
+    /// Width and pixels to have when the next pass begins; `None` while the sums are good.
+    retired: Option<[usize; 2]>,
 }
 
 impl Film {
@@ -28,24 +42,31 @@ impl Film {
         self.passes
     }
 
-    /// Makes it an empty film of this many pixels, keeping its memory.
-    pub fn clear(&mut self, pixels: usize) {
+    /// Makes it an empty film of this many pixels in rows of `width`, keeping its memory.
+    pub fn clear(&mut self, width: usize, pixels: usize) {
+        self.width = width.max(1);
         self.sums.clear();
         self.sums.resize(pixels, [[0.0; 3]; REPLICATES]);
+        self.counts.clear();
+        let rows = pixels.div_ceil(self.width);
+        let cells = self.width.div_ceil(CELL) * rows.div_ceil(CELL);
+        self.counts.resize(cells, [0; REPLICATES]);
+        self.spreads.clear();
+        self.spreads.resize(cells, Default::default());
         self.passes = 0;
     }
 
-    /// Has the next pass begin an empty film of this many pixels. Costs nothing now: a large
-    /// picture's sums are cleared tile by tile, by the workers that come to them.
-    pub fn retire(&mut self, pixels: usize) {
-        self.retired = Some(pixels);
+    /// Has the next pass begin an empty film of this many pixels in rows of `width`. Costs nothing
+    /// now: a large picture's sums are cleared tile by tile, by the workers that come to them.
+    pub fn retire(&mut self, width: usize, pixels: usize) {
+        self.retired = Some([width, pixels]);
         self.passes = 0;
     }
 
     /// Makes the film ready for a pass and returns the pass's number, from 0.
     pub fn begin_pass(&mut self) -> u64 {
-        if let Some(pixels) = self.retired.take() {
-            self.clear(pixels);
+        if let Some([width, pixels]) = self.retired.take() {
+            self.clear(width, pixels);
         }
         self.passes
     }
@@ -54,44 +75,167 @@ impl Film {
     /// then closes the pass.
     #[inline]
     pub fn add(&mut self, pixel: usize, sample: Rgb) {
-        let sum = &mut self.sums[pixel][(self.passes % REPLICATES as u64) as usize];
+        self.add_to(pixel, (self.passes % REPLICATES as u64) as usize, sample);
+    }
+
+    /// Counts the pass, of which every pixel has a sample.
+    pub fn end_pass(&mut self) {
+        let replicate = (self.passes % REPLICATES as u64) as usize;
+        self.counts.iter_mut().for_each(|counts| counts[replicate] += 1);
+        self.passes += 1;
+    }
+
+    /// Adds a sample of this replicate to a pixel. All of its cell get one, which
+    /// [`Film::count_samples`] then counts.
+    #[inline]
+    pub fn add_to(&mut self, pixel: usize, replicate: usize, sample: Rgb) {
+        let sum = &mut self.sums[pixel][replicate];
         sum[0] += sample.r as f64;
         sum[1] += sample.g as f64;
         sum[2] += sample.b as f64;
     }
 
-    /// Counts the pass.
-    pub fn end_pass(&mut self) {
+    /// Counts a sample of this replicate for all pixels of a cell.
+    pub fn count_samples(&mut self, cell: usize, replicate: usize) {
+        self.counts[cell][replicate] += 1;
+    }
+
+    /// Counts a pass in which cells got as many samples as each was to have, on the mean one.
+    pub fn end_uneven_pass(&mut self) {
         self.passes += 1;
     }
 
-    /// What all passes so far say: mean and variance of the mean of every pixel and channel.
-    ///
-    /// With n_r passes in replicate r, N in all, and replicate means m_r: the mean is
-    /// `sum n_r m_r / N` and its variance is estimated by
-    /// `sum (n_r / N)² (m_r - mean)² * R / (R - 1)`, which is exact where all n_r are equal. Before
-    /// every replicate has a pass there are no variances.
-    fn moments(&self) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
-        let per_mean = if self.passes > 0 { 1.0 / self.passes as f64 } else { 0.0 };
-        let r = REPLICATES as u64;
-        let count = |k: u64| (self.passes / r + u64::from(k < self.passes % r)) as f64;
-        let shares: [f64; REPLICATES] = std::array::from_fn(|k| count(k as u64) * per_mean);
-        let mean = |sums: &[[f64; 3]; REPLICATES]| -> [f64; 3] {
-            std::array::from_fn(|c| sums.iter().map(|s| s[c]).sum::<f64>() * per_mean)
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.counts.len()
+    }
+
+    /// Samples that each pixel of a cell has.
+    pub fn samples(&self, cell: usize) -> u64 {
+        self.counts[cell].iter().sum()
+    }
+
+    /// Samples that each pixel of a cell has, by replicate.
+    pub fn counts(&self, cell: usize) -> [u64; REPLICATES] {
+        self.counts[cell]
+    }
+
+    fn cell_of(&self, pixel: usize) -> usize {
+        let (x, y) = (pixel % self.width, pixel / self.width);
+        y / CELL * self.width.div_ceil(CELL) + x / CELL
+    }
+
+    /// Half of the squared relative difference of the means of two replicates, summed over the channels,
+    /// on the mean of a cell's pixels. The radiance that a pixel's difference is held against is its
+    /// own, as these two have it, but at least the cell's mean: a rare bright sample is measured
+    /// against its surroundings.
+    fn spread(&self, cell: usize, half: usize) -> f64 {
+        let [a, b] = [2 * half, 2 * half + 1];
+        let counts = self.counts[cell];
+        let mean = |sums: &[[f64; 3]; REPLICATES], r: usize, c: usize| {
+            sums[r][c] / counts[r].max(1) as f64
         };
-        let means: Vec<_> = self.sums.iter().map(mean).collect();
-        if self.passes < r {
-            return (means, Vec::new());
+        let pixels: Vec<&[[f64; 3]; REPLICATES]> = (0..)
+            .zip(&self.sums)
+            .filter_map(|(pixel, sums)| (self.cell_of(pixel) == cell).then_some(sums))
+            .collect();
+        let mut light = [0.0; 3];
+        for sums in &pixels {
+            for (c, light) in light.iter_mut().enumerate() {
+                *light += 0.5 * (mean(sums, a, c) + mean(sums, b, c)) / pixels.len() as f64;
+            }
         }
-        let variance = |(sums, mean): (&[[f64; 3]; REPLICATES], &[f64; 3])| -> [f64; 3] {
-            std::array::from_fn(|c| {
-                // (n_r / N)(m_r - mean) = S_r / N - share * mean
-                let spread = |k: usize| sums[k][c] * per_mean - shares[k] * mean[c];
-                let squares: f64 = (0..REPLICATES).map(|k| spread(k) * spread(k)).sum();
-                squares * REPLICATES as f64 / (REPLICATES as f64 - 1.0)
-            })
-        };
-        let variances = self.sums.iter().zip(&means).map(variance).collect();
+        let mut sum = 0.0;
+        for sums in &pixels {
+            for (c, light) in light.iter().enumerate() {
+                let [x, y] = [mean(sums, a, c), mean(sums, b, c)];
+                let radiance = (0.5 * (x + y)).max(*light);
+                sum += 0.5 * (x - y) * (x - y) / (radiance * radiance + REL_MSE_FLOOR);
+            }
+        }
+        sum / pixels.len().max(1) as f64
+    }
+
+    /// Notes what half of the replicates, the first two (0) or the last two (1), says now about the
+    /// variance of a cell: see [`Film::spreads`].
+    pub fn note_spread(&mut self, cell: usize, half: usize) {
+        let spread = self.spread(cell, half);
+        self.spreads[cell][half].push(spread as f32);
+    }
+
+    /// What was noted of a cell by either half, in the order in which it was: the mean over its pixels
+    /// of the relative variance of a replicate's mean, summed over the channels.
+    pub fn spreads(&self, cell: usize) -> &[Vec<f32>; 2] {
+        &self.spreads[cell]
+    }
+
+    /// What all samples so far say: mean and variance of the mean of every pixel and channel.
+    ///
+    /// Where replicates have as many samples as the passes dealt in turn give them, n_r in replicate
+    /// r, N in all, and replicate means m_r: the mean is `sum n_r m_r / N` and its variance is
+    /// estimated by `sum (n_r / N)² (m_r - mean)² * R / (R - 1)`, which is exact where all n_r are
+    /// equal. Elsewhere both are the same with 1 / R in place of n_r / N, and the variance is exact
+    /// again, whatever the replicates' own variances are. Before every replicate has a pass there are
+    /// no variances.
+    fn moments(&self) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
+        let shares: Vec<Shares> = self.counts.iter().map(Shares::new).collect();
+        let across = self.width.div_ceil(CELL);
+        let mut means = Vec::with_capacity(self.sums.len());
+        let mut variances = Vec::with_capacity(self.sums.len());
+        let known = self.passes >= REPLICATES as u64;
+        for (y, row) in self.sums.chunks(self.width.max(1)).enumerate() {
+            let shares = &shares[y / CELL * across..][..across];
+            for (sums, Shares { per_sum, part, in_turn }) in
+                row.chunks(CELL).zip(shares).flat_map(|(some, s)| some.iter().map(move |p| (p, s)))
+            {
+                let mean: [f64; 3] = std::array::from_fn(|c| match in_turn {
+                    true => (0..REPLICATES).map(|r| sums[r][c]).sum::<f64>() * per_sum[0],
+                    false => (0..REPLICATES).map(|r| sums[r][c] * per_sum[r]).sum(),
+                });
+                means.push(mean);
+                if !known {
+                    continue;
+                }
+                variances.push(std::array::from_fn(|c| {
+                    // share (m_r - mean) = S_r share / n_r - share * mean
+                    let spread = |r: usize| sums[r][c] * per_sum[r] - part[r] * mean[c];
+                    let squares: f64 = (0..REPLICATES).map(|r| spread(r) * spread(r)).sum();
+                    squares * REPLICATES as f64 / (REPLICATES as f64 - 1.0)
+                }));
+            }
+        }
         (means, variances)
+    }
+}
+
+/// How the sums of the replicates make up a mean.
+struct Shares {
+    /// What each sum is multiplied by.
+    per_sum: [f64; REPLICATES],
+    /// The parts that the replicates' means have of the whole mean.
+    part: [f64; REPLICATES],
+    /// Whether the replicates have what passes dealt in turn give them.
+    in_turn: bool,
+}
+
+impl Shares {
+    fn new(counts: &[u64; REPLICATES]) -> Shares {
+        let all: u64 = counts.iter().sum();
+        let r = REPLICATES as u64;
+        let in_turn = (0..r).all(|k| counts[k as usize] == all / r + u64::from(k < all % r));
+        if in_turn {
+            let per_mean = if all > 0 { 1.0 / all as f64 } else { 0.0 };
+            return Shares {
+                per_sum: [per_mean; REPLICATES],
+                part: counts.map(|n| n as f64 * per_mean),
+                in_turn,
+            };
+        }
+        let part = 1.0 / REPLICATES as f64;
+        Shares {
+            per_sum: counts.map(|n| part / n.max(1) as f64),
+            part: [part; REPLICATES],
+            in_turn,
+        }
     }
 }

@@ -49,7 +49,10 @@ impl Bench {
     ) -> Result<Vec<Picture>, ParamsError> {
         let seeds = (0..u64::from(self.pairs)).map(|k| self.base.seed.wrapping_add(k));
         let picture = |seed| {
-            let params = Params { model, erratum, seed, reference: true, ..self.base.clone() };
+            // Pairs have the same random numbers, so that noise falls out of their difference.
+            let uniform = true;
+            let params =
+                Params { model, erratum, seed, uniform, reference: true, ..self.base.clone() };
             Ok(render(params, self.passes, self.threads)?.mean())
         };
         seeds.map(picture).collect()

@@ -6,6 +6,7 @@
 //! against the length of the file before anything is allocated.
 
 use super::Picture;
+use super::files::SAMPLES_PART;
 use super::primaries::{Primaries, REC_709};
 use crate::limits::{Bytes, EXR_EXPANSION, EXR_FREE_BYTES, PICTURE_SIDE, fits};
 use exr::block::UncompressedBlock;
@@ -150,6 +151,11 @@ fn choices(headers: &[Header]) -> Vec<Choice> {
 /// The choice that is wanted, or else the first.
 fn choose(headers: &[Header], wanted: Option<&str>) -> Result<(Choice, usize), String> {
     let mut all = choices(headers);
+    // How many samples a picture is made of is none, unless it is what is wanted.
+    let is_count = |c: &Choice| c.part.as_deref() == Some(SAMPLES_PART) && c.layer.is_none();
+    if wanted != Some(SAMPLES_PART) && all.len() > 1 {
+        all.retain(|c| !is_count(c));
+    }
     let count = all.len();
     let has = || format!("the file has {}", contents(headers));
     if count == 0 {
@@ -231,7 +237,8 @@ fn channels_of_a_header(mut file: File) -> String {
 /// What is to be told of the picture that was chosen.
 fn remarks(headers: &[Header], choice: &Choice, count: usize) -> Vec<String> {
     let mut remarks = Vec::new();
-    if count > 1 || headers.len() > 1 {
+    let of_samples = |h: &Header| part_name(h).as_deref() == Some(SAMPLES_PART);
+    if count > 1 || headers.iter().filter(|h| !of_samples(h)).count() > 1 {
         let name = shown(&choice.name());
         let name = if name.is_empty() {
             "the one without a layer".to_owned()

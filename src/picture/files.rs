@@ -6,7 +6,10 @@ use crate::limits::TEXT_BYTES;
 use crate::plain;
 use exr::meta::attribute::{AttributeValue, Text};
 use exr::meta::header::Header;
-use exr::prelude::{MetaData, SpecificChannels, Vec2, WritableImage};
+use exr::prelude::{
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, ImageAttributes, IntegerBounds, Layer,
+    LayerAttributes, Layers, MetaData, SmallVec, SpecificChannels, Vec2, WritableImage,
+};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -72,11 +75,15 @@ pub enum ReadError {
 const SOFTWARE: &str = concat!("burnish ", env!("CARGO_PKG_VERSION"));
 /// What the recipe is called: the keyword of an iTXt chunk, or the name of an EXR attribute.
 const RECIPE: &str = "burnish";
+/// Names of the parts of an OpenEXR file that has more than the picture: this, and how many samples
+/// each pixel is made of.
+const COLOUR_PART: &str = "rgb";
+pub(super) const SAMPLES_PART: &str = "samples";
 
 /// Writes a picture, the format chosen by the file's name. The file is there as a whole or, after
 /// an error, as it was before.
 pub fn write(path: &Path, picture: &Picture, tone: Tone) -> Result<(), SaveError> {
-    write_to(path, picture, tone, None)
+    write_to(path, picture, tone, None, &[])
 }
 
 /// The same with a text beside the pixels that says how they were made; [`read_recipe`] gives it
@@ -88,7 +95,19 @@ pub fn write_with_recipe(
     tone: Tone,
     recipe: &str,
 ) -> Result<(), SaveError> {
-    write_to(path, picture, tone, Some(recipe))
+    write_to(path, picture, tone, Some(recipe), &[])
+}
+
+/// The same with the number of samples of each pixel, row by row: in an OpenEXR file a second part,
+/// `samples`, with one channel; a PNG has no place for it.
+pub fn write_with_samples(
+    path: &Path,
+    picture: &Picture,
+    tone: Tone,
+    recipe: &str,
+    samples: &[u64],
+) -> Result<(), SaveError> {
+    write_to(path, picture, tone, Some(recipe), samples)
 }
 
 fn write_to(
@@ -96,6 +115,7 @@ fn write_to(
     picture: &Picture,
     tone: Tone,
     recipe: Option<&str>,
+    samples: &[u64],
 ) -> Result<(), SaveError> {
     let format = Format::of(path)?;
     replace_file(path, |sink| {
@@ -110,7 +130,7 @@ fn write_to(
                 png::EncodingError::IoError(e) => e,
                 other => io::Error::other(other),
             }),
-            Format::Exr => as_exr(picture, recipe, sink),
+            Format::Exr => as_exr(picture, recipe, samples, sink),
         }
     })
 }
@@ -133,22 +153,61 @@ fn as_png(
     writer.finish()
 }
 
-fn as_exr(picture: &Picture, recipe: Option<&str>, sink: &mut dyn Sink) -> io::Result<()> {
+fn as_exr(
+    picture: &Picture,
+    recipe: Option<&str>,
+    samples: &[u64],
+    sink: &mut dyn Sink,
+) -> io::Result<()> {
     let size = Vec2(picture.width as usize, picture.height as usize);
+    if samples.len() == picture.pixels.len() {
+        let colour = |c: usize| FlatSamples::F32(picture.pixels.iter().map(|p| p[c]).collect());
+        let counts = FlatSamples::F32(samples.iter().map(|&n| n as f32).collect());
+        let rgb = [("R", colour(0)), ("G", colour(1)), ("B", colour(2))];
+        // A part of its own: programs that know one part alone read the first, which is the picture.
+        let mut parts = [
+            part(
+                size,
+                COLOUR_PART,
+                rgb.into_iter().map(|(n, all)| AnyChannel::new(n, all)).collect(),
+            ),
+            part(size, SAMPLES_PART, [AnyChannel::new("Y", counts)].into_iter().collect()),
+        ];
+        describe(&mut parts[0].attributes, recipe);
+        let bounds = IntegerBounds::from_dimensions(size);
+        let image = Image::from_layers(ImageAttributes::new(bounds), Layers::from_iter(parts));
+        return image.write().to_buffered(sink).map_err(exr_error);
+    }
     let channels = SpecificChannels::rgb(|at: Vec2<usize>| {
         let [r, g, b] = picture.pixels[at.flat_index_for_size(size)];
         (r, g, b)
     });
-    let mut image = exr::prelude::Image::from_channels(size, channels);
-    let attributes = &mut image.layer_data.attributes;
+    let mut image = Image::from_channels(size, channels);
+    describe(&mut image.layer_data.attributes, recipe);
+    image.write().to_buffered(sink).map_err(exr_error)
+}
+
+fn part(
+    size: Vec2<usize>,
+    name: &str,
+    channels: SmallVec<[AnyChannel<FlatSamples>; 4]>,
+) -> Layer<AnyChannels<FlatSamples>> {
+    let attributes = LayerAttributes::named(name);
+    Layer::new(size, attributes, Encoding::default(), AnyChannels::sort(channels))
+}
+
+fn describe(attributes: &mut LayerAttributes, recipe: Option<&str>) {
     attributes.software_name = Some(text(SOFTWARE));
     if let Some(recipe) = recipe {
         attributes.other.insert(text(RECIPE), AttributeValue::Text(text(recipe)));
     }
-    image.write().to_buffered(sink).map_err(|e| match e {
+}
+
+fn exr_error(error: exr::error::Error) -> io::Error {
+    match error {
         exr::error::Error::Io(e) => e,
         other => io::Error::other(other.to_string()),
-    })
+    }
 }
 
 /// UTF-8, as OpenEXR has it; the crate's own conversion takes Latin-1 alone.

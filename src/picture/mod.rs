@@ -12,7 +12,7 @@ pub use exr_file::ReadPicture;
 pub use files::{
     Format, ReadError, contents, read_exr, read_exr_part, read_recipe, read_recipe_of,
 };
-pub use files::{FoundRecipe, write, write_with_recipe};
+pub use files::{FoundRecipe, write, write_with_recipe, write_with_samples};
 pub use tone::{Curve, NAN_COLOUR, Tone};
 
 /// Radiance of every pixel, linear Rec. 709, rows from the top.

@@ -1,11 +1,14 @@
 //! One epoch: what the workers share while the parameters stay the same, and what they show.
 
 use super::canvas::Canvas;
+use super::plan::{self, Plan};
 use super::trace::trace;
 use super::{Counts, Params, Snapshot, State, TileGrid, TileImage, pilot};
 use crate::film::{ErrorSums, Film};
 use crate::math::Rgb;
-use crate::trace::{Deal, Group, Hand, Round, Scratch, Tracer};
+use crate::math::sequence::REPLICATES;
+use crate::trace::{Deal, Group, Hand, Round, Scratch, Tracer, deal_cell};
+use std::mem::take;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -19,6 +22,8 @@ pub(super) struct Epoch {
     pub(super) tracer: Tracer,
     /// Once it is decided.
     pub(super) group: OnceLock<Group>,
+    /// The newest.
+    plan: Mutex<Option<Arc<Plan>>>,
     pub(super) grid: TileGrid,
     /// By worker.
     pub(super) own: Vec<Mutex<Own>>,
@@ -65,6 +70,7 @@ impl Epoch {
             params,
             tracer,
             group,
+            plan: Mutex::default(),
             grid,
             own,
             shown,
@@ -87,6 +93,72 @@ impl Epoch {
         let Own { scratch, hand } = own;
         deal.bundle(at, hand);
         trace(&self.params, &self.tracer, hand, round, scratch, put);
+    }
+
+    /// The plan for the passes that come next, made if it is not there: all films then have the passes
+    /// at which it begins.
+    pub(super) fn plan(&self, films: &mut [Film]) -> Arc<Plan> {
+        let done = films.iter().map(Film::passes).min().unwrap_or(0);
+        let mut plan = self.plan.lock().unwrap_or_else(PoisonError::into_inner);
+        match &*plan {
+            Some(plan) if plan.passes().contains(&done) => plan.clone(),
+            _ => {
+                if done == plan::UNIFORM {
+                    for film in films.iter_mut() {
+                        (0..film.cells())
+                            .for_each(|cell| (0..2).for_each(|h| film.note_spread(cell, h)));
+                    }
+                }
+                let made = Arc::new(Plan::new(self.grid, films, done));
+                *plan = Some(made.clone());
+                made
+            }
+        }
+    }
+
+    /// Traces what a tile is to get in its next pass, and adds it. Returns the number of samples.
+    pub(super) fn uneven_pass(
+        &self,
+        index: usize,
+        film: &mut Film,
+        plan: &Plan,
+        group: Group,
+        Own { scratch, hand }: &mut Own,
+    ) -> u64 {
+        let (rect, pass) = (self.grid.rect(index), film.begin_pass());
+        let (mut paths, mut nonfinite) = (0, 0);
+        for cell in 0..film.cells() {
+            let (half, pairs) = plan.pairs(index, cell, pass);
+            let area = plan::cell_rect(self.grid, index, cell);
+            for pair in pairs {
+                hand.clear();
+                for replicate in [2 * half, 2 * half + 1] {
+                    let own_pass = REPLICATES as u64 * pair + replicate as u64;
+                    deal_cell(area.clone(), self.params.seed, own_pass, group, hand);
+                }
+                // The first half of the pixels is of the first replicate.
+                let (mut number, each) = (0, hand.pixels.len() / 2);
+                let put = &mut |[x, y]: [u32; 2], sample: Rgb| {
+                    let replicate = 2 * half + usize::from(number >= each);
+                    number += 1;
+                    let pixel = (y - rect.y0) as usize * rect.width() + (x - rect.x0) as usize;
+                    match sample.is_finite() {
+                        true => film.add_to(pixel, replicate, sample),
+                        false => nonfinite += 1,
+                    }
+                };
+                trace(&self.params, &self.tracer, hand, Round::of(0), scratch, put);
+                paths += hand.pixels.len() as u64;
+                (0..2).for_each(|which| film.count_samples(cell, 2 * half + which));
+                if plan::is_noted(pair + 1) {
+                    film.note_spread(cell, half);
+                }
+            }
+        }
+        film.end_uneven_pass();
+        let (rays, capped) = (take(&mut scratch.rays), take(&mut scratch.capped));
+        self.count(Counts { paths, rays, nonfinite, capped });
+        paths
     }
 
     /// Adds the samples of those of the canvas's passes that a tile's film does not have: after an
@@ -124,6 +196,7 @@ impl Epoch {
         let estimate = film.estimate(self.grid.rect(index).width());
         let image = TileImage {
             passes: film.passes(),
+            samples: (0..film.cells()).map(|cell| film.samples(cell)).collect(),
             mean: estimate.mean,
             standard_error: estimate.standard_error,
             block: 1,
@@ -143,7 +216,8 @@ impl Epoch {
                 mean.extend(std::iter::repeat_n(<[f32; 3]>::from(colour), width));
             }
         }
-        let image = TileImage { passes: 0, mean, standard_error: Vec::new(), block };
+        let (samples, standard_error) = (Vec::new(), Vec::new());
+        let image = TileImage { passes: 0, samples, mean, standard_error, block };
         self.show(index, image, ErrorSums::default());
     }
 
@@ -203,12 +277,16 @@ impl Epoch {
         let [paths, rays, nonfinite, capped] =
             [0, 1, 2, 3].map(|i: usize| self.counts[i].load(Ordering::Relaxed));
         let pixels = self.params.size.map(u64::from).iter().product();
+        let is_level =
+            |tile: &Option<Arc<TileImage>>| tile.as_ref().is_some_and(|t| t.passes == passes);
+        let whole = passes > 0 && tiles.iter().all(is_level);
         Snapshot {
             epoch: self.number,
             grid: self.grid,
             tiles,
             dirty,
             passes,
+            whole,
             counts: Counts { paths, rays, nonfinite, capped },
             error: sums.estimate(pixels, passes),
             group: self.group.get().copied().unwrap_or_default(),

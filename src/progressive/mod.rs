@@ -6,6 +6,7 @@ mod kept;
 mod outlet;
 mod params;
 mod pilot;
+mod plan;
 mod recipe;
 mod replay;
 mod session;

@@ -40,6 +40,9 @@ pub struct Params {
     /// How many neighbouring paths share what they find; `None` for as many as a
     /// pilot finds best. Where the reference tracer works none do.
     pub group: Option<Group>,
+    /// Whether every pixel gets the same number of samples. Otherwise, after the first 16 passes, a
+    /// pass is one sample a pixel on the mean only, and more where the picture is noisier.
+    pub uniform: bool,
 }
 
 /// Parameters that cannot be rendered.
@@ -90,6 +93,7 @@ impl Params {
             erratum: None,
             reference: false,
             group: None,
+            uniform: false,
             scene,
         }
     }
@@ -173,5 +177,6 @@ impl PartialEq for Params {
             && self.max_depth == o.max_depth
             && self.method() == o.method()
             && self.group == o.group
+            && self.uniform == o.uniform
     }
 }

@@ -1,7 +1,8 @@
 //! How many neighbours share: decided before the first pass, by what sharing costs and what it gives.
 //!
 //! A few bundles of the picture are traced a few times with every size of group. What counts is the
-//! product of the work a sample takes and the variance it leaves. Work is counted, not timed, so
+//! product of the work a sample takes and the variance it leaves, bundle by bundle where the picture's
+//! samples are to be [planned](super::plan). Work is counted, not timed, so
 //! that equal parameters decide alike on any machine and in any haste. The samples are thrown away:
 //! the decision depends on them, so the picture must not.
 
@@ -63,7 +64,7 @@ pub(super) fn without(params: &Params, tracer: &Tracer) -> Option<Group> {
 pub(super) fn decide(params: &Params, tracer: &Tracer, scratch: &mut Scratch) -> Group {
     without(params, tracer).unwrap_or_else(|| {
         let found = tasks().into_iter().map(|task| task.run(params, tracer, scratch)).collect();
-        choose(found, params.scene.geometry().len())
+        choose(found, params.scene.geometry().len(), params.uniform)
     })
 }
 
@@ -103,7 +104,7 @@ impl Task {
 }
 
 /// The size of group whose work times variance is least, in a scene of so many primitives.
-pub(super) fn choose(mut found: Vec<Found>, primitives: usize) -> Group {
+pub(super) fn choose(mut found: Vec<Found>, primitives: usize, uniform: bool) -> Group {
     // In an order that does not depend on who was first.
     found.sort_by_key(|f| (f.task.which, f.task.trial));
     // Light as the quietest of the trials have it.
@@ -114,16 +115,35 @@ pub(super) fn choose(mut found: Vec<Found>, primitives: usize) -> Group {
             mean(found.iter().filter(these).flat_map(|f| &f.samples))
         })
         .collect();
-    let of = |trial: Trial| found.iter().filter(move |f| f.task.trial == trial);
-    let work = |trial| of(trial).map(|f| f.effort.work(primitives)).sum::<f64>();
-    let spread = |trial| of(trial).map(|f| spread(&f.samples, &means[f.task.which])).sum::<f64>();
-    let own = spread(Trial::Own);
-    let price = |group: Group| match group {
-        Group::None => {
-            let rest = (spread(Trial::Apart) - own).max(0.0);
-            work(Trial::Apart) * (rest + own / STRATIFIED)
+    let of = |which: usize, trial: Trial| {
+        found.iter().filter(move |f| (f.task.which, f.task.trial) == (which, trial))
+    };
+    let work = |which, trial| of(which, trial).map(|f| f.effort.work(primitives)).sum::<f64>();
+    let spread = |which, trial| {
+        of(which, trial).map(|f| spread(&f.samples, &means[f.task.which])).sum::<f64>()
+    };
+    // Of one bundle, the work of a sample and the variance that it leaves.
+    let costs = |which: usize, group: Group| {
+        let own = spread(which, Trial::Own);
+        match group {
+            Group::None => {
+                let rest = (spread(which, Trial::Apart) - own).max(0.0);
+                (work(which, Trial::Apart), rest + own / STRATIFIED)
+            }
+            _ => {
+                let trial = Trial::Shared(group);
+                (work(which, trial), spread(which, trial) + own / STRATIFIED)
+            }
         }
-        _ => work(Trial::Shared(group)) * (spread(Trial::Shared(group)) + own / STRATIFIED),
+    };
+    let price = |group: Group| {
+        let each = (0..BUNDLES).map(|which| costs(which, group));
+        if uniform {
+            let (work, variance) = each.fold((0.0, 0.0), |(a, b), (c, d)| (a + c, b + d));
+            return work * variance;
+        }
+        // Where samples go to where they are wanted, as many as make the error least.
+        each.map(|(work, variance)| (work * variance).sqrt()).sum::<f64>().powi(2)
     };
     let prices = Group::ALL.map(price);
     let least = (0..prices.len()).min_by(|&a, &b| prices[a].total_cmp(&prices[b]));

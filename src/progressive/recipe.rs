@@ -8,7 +8,7 @@ mod possible;
 use super::{Params, Snapshot};
 use crate::brdf::{Erratum, Roughness};
 use crate::math::lanes::Isa;
-use crate::picture::{Format, Picture, SaveError, Tone, write_with_recipe};
+use crate::picture::{Format, Picture, SaveError, Tone, write_with_samples};
 use crate::scene::write::{Edits, WriteError, edit};
 use crate::scene::{Material, MaterialError, MaterialId, Source, SourceFile};
 use serde::{Deserialize, Serialize};
@@ -74,12 +74,18 @@ pub struct Recipe {
     pub group: u32,
     /// Which of the independent pictures.
     pub seed: u64,
+    /// Whether all pixels got the same number of samples, as those of older pictures did.
+    #[serde(default = "yes")]
+    pub uniform: bool,
     /// Most scattering events.
     pub max_depth: Option<u32>,
-    /// Samples that every pixel has at least.
+    /// Samples that every pixel has: at least, or on the mean where they are not uniform.
     pub passes: u64,
-    /// Camera paths: more than the passes account for when time ran out within a pass. Such a
-    /// picture cannot be made again exactly.
+    /// Whether there are no others: there are when time ran out within a pass. Such a picture cannot
+    /// be made again exactly.
+    #[serde(default)]
+    pub whole: Option<bool>,
+    /// Camera paths.
     pub paths: u64,
     /// Rays of all kinds.
     pub rays: u64,
@@ -91,6 +97,11 @@ pub struct Recipe {
     pub error: Option<ErrorRecipe>,
     /// How radiance became colour; in 8-bit pictures alone.
     pub tone: Option<ToneRecipe>,
+}
+
+/// Pictures from before samples went where they are wanted.
+fn yes() -> bool {
+    true
 }
 
 /// Pictures from before paths shared.
@@ -223,7 +234,9 @@ impl Recipe {
             group: snapshot.group.paths(),
             seed: params.seed,
             max_depth: params.max_depth,
+            uniform: params.uniform,
             passes: snapshot.passes,
+            whole: Some(snapshot.whole),
             paths: counts.paths,
             rays: counts.rays,
             nonfinite: counts.nonfinite,
@@ -258,18 +271,34 @@ impl Recipe {
 
     /// Writes a picture with its recipe, to a `.png` file toned by `tone` or to an `.exr` file.
     pub fn save(&self, path: &Path, picture: &Picture, tone: Tone) -> Result<(), SaveError> {
+        self.save_with_samples(path, picture, &[], tone)
+    }
+
+    /// The same with the number of samples of each pixel, as [`Snapshot::samples`] has them, in an
+    /// `.exr` file; nothing where they are all the same.
+    pub fn save_with_samples(
+        &self,
+        path: &Path,
+        picture: &Picture,
+        samples: &[u64],
+        tone: Tone,
+    ) -> Result<(), SaveError> {
         let toned = ToneRecipe { exposure: tone.exposure, curve: tone.curve.name().to_owned() };
         let tone_used = (Format::of(path)? == Format::Png).then_some(toned);
         let recipe = Recipe { tone: tone_used, ..self.clone() };
         let text = serde_json::to_string_pretty(&recipe)
             .map_err(|e| SaveError::Write { path: path.to_path_buf(), source: e.into() })?;
-        write_with_recipe(path, picture, tone, &text)
+        let uneven = samples.iter().any(|n| *n != samples[0]);
+        let samples = if uneven { samples } else { &[] };
+        write_with_samples(path, picture, tone, &text, samples)
     }
 
-    /// Whether every pixel has the same number of samples, so that the picture can be made again.
+    /// Whether the passes are all that is in it, so that the picture can be made again.
     pub fn is_whole(&self) -> bool {
         let [width, height] = self.size.map(u64::from);
-        width.checked_mul(height).and_then(|n| n.checked_mul(self.passes)) == Some(self.paths)
+        let pixels = width.checked_mul(height);
+        let by_paths = || pixels.and_then(|n| n.checked_mul(self.passes)) == Some(self.paths);
+        self.whole.unwrap_or_else(by_paths)
     }
 
     /// What to give `burnish render` besides the scene and the file, and `burnish pixel` besides the
@@ -307,6 +336,9 @@ impl Recipe {
         match self.group {
             0 | 1 => all.push("--no-reuse".to_owned()),
             paths => all.extend(["--group".to_owned(), paths.to_string()]),
+        }
+        if self.uniform {
+            all.push("--uniform".to_owned());
         }
         if self.reference {
             all.push("--reference".to_owned());

@@ -1,7 +1,7 @@
 //! One sample of one pixel, traced again with those that it shared with.
 
 use super::trace::samples;
-use super::{Params, pilot};
+use super::{Params, pilot, plan};
 use crate::math::Rgb;
 use crate::trace::{Deal, Group, Part};
 
@@ -39,7 +39,11 @@ impl Replay {
         let tracer = params.tracer();
         let mut scratch = tracer.scratch();
         let group = pilot::decide(params, &tracer, &mut scratch);
-        let mut hand = Deal::new(params.size, params.seed, pass, group).group_of([x, y]);
+        let uniform = params.uniform || pass < plan::UNIFORM;
+        let mut hand = match uniform {
+            true => Deal::new(params.size, params.seed, pass, group).group_of([x, y]),
+            false => plan::group_of(params.size, params.seed, pass, group, [x, y]),
+        };
         let mut trace = |part: Part| {
             hand.part = part;
             samples(params, &tracer, &hand, pass, &mut scratch)

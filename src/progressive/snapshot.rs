@@ -1,6 +1,6 @@
 //! What the workers hand out.
 
-use crate::film::ErrorEstimate;
+use crate::film::{CELL, ErrorEstimate};
 use crate::picture::Picture;
 use crate::trace::Group;
 use std::sync::Arc;
@@ -71,6 +71,9 @@ impl TileRect {
 pub struct TileImage {
     /// Passes in it; 0 for the coarse preview that stands in until pass 1 is there.
     pub passes: u64,
+    /// Samples that each pixel has, by cell of [`CELL`] x [`CELL`] pixels, row by row; empty in the
+    /// preview.
+    pub samples: Vec<u64>,
     /// Mean radiance of each pixel, row by row within the tile.
     pub mean: Vec<[f32; 3]>,
     /// Standard error of each mean, pooled over touching pixels of the tile; empty before every
@@ -130,8 +133,11 @@ pub struct Snapshot {
     pub tiles: Vec<Option<Arc<TileImage>>>,
     /// Tiles that differ from those of the last snapshot that was received.
     pub dirty: Vec<u32>,
-    /// Whole passes: every pixel has at least this many samples.
+    /// Whole passes: pixels have this many samples, each if the passes are
+    /// [uniform](super::Params::uniform), else on the mean.
     pub passes: u64,
+    /// Whether these are all of the samples: not while a pass is traced.
+    pub whole: bool,
     /// Counts over the epoch.
     pub counts: Counts,
     /// Error of the picture, once the replicates allow one.
@@ -153,6 +159,27 @@ impl Snapshot {
     /// The standard error of every pixel and channel as one picture; zero where not known yet.
     pub fn standard_error(&self) -> Picture {
         self.gather(|tile| &tile.standard_error)
+    }
+
+    /// Samples of every pixel, row by row; 0 where nothing has been traced yet.
+    pub fn samples(&self) -> Vec<u64> {
+        let width = self.grid.size[0] as usize;
+        let mut samples = vec![0; width * self.grid.size[1] as usize];
+        for (index, tile) in self.tiles.iter().enumerate() {
+            let rect = self.grid.rect(index);
+            let across = rect.width().div_ceil(CELL);
+            let Some(tile) = tile.as_deref().filter(|tile| !tile.samples.is_empty()) else {
+                continue;
+            };
+            for y in 0..rect.height() {
+                let start = (rect.y0 as usize + y) * width + rect.x0 as usize;
+                let row = &tile.samples[y / CELL * across..];
+                for (x, place) in samples[start..start + rect.width()].iter_mut().enumerate() {
+                    *place = row[x / CELL];
+                }
+            }
+        }
+        samples
     }
 
     fn gather(&self, pixels: impl Fn(&TileImage) -> &Vec<[f32; 3]>) -> Picture {

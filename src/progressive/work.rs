@@ -8,7 +8,7 @@ use super::epoch::{Epoch, Own, failure};
 use super::kept::Kept;
 use super::outlet::Outlet;
 use super::session::{Options, Shared};
-use super::{Counts, Params, ParamsError, State, TILE, pilot};
+use super::{Counts, Params, ParamsError, State, TILE, pilot, plan};
 use crate::film::Film;
 use crate::trace::{Deal, FirstHits, Group, Round, Scratch};
 use rayon::prelude::*;
@@ -121,9 +121,7 @@ impl Workers {
                     let epoch = Epoch::new(number, *params, self.pool.current_num_threads());
                     films.resize_with(epoch.grid.len(), Film::default);
                     films.truncate(epoch.grid.len());
-                    for (index, film) in films.iter_mut().enumerate() {
-                        film.retire(epoch.grid.rect(index).area());
-                    }
+                    retire(&epoch, &mut films);
                     now = Some(epoch);
                     failed = false;
                 }
@@ -152,11 +150,21 @@ impl Workers {
         while goes_on() {
             let done = whole_passes(films);
             let at_once = done.clamp(1, BATCH).min((self.wave() / pixels).max(1));
-            let target = (done + at_once).min(self.shared.limit());
+            let mut target = (done + at_once).min(self.shared.limit());
             if done >= target {
                 break;
             }
-            self.passes(epoch, films, store, done..target, group);
+            if epoch.params.uniform {
+                self.passes(epoch, films, store, done..target, group);
+            } else {
+                // Whatever a plan is made from is there before it is.
+                target = target.min(plan::end_of_plan(done));
+                if done < plan::UNIFORM {
+                    self.passes(epoch, films, store, done..target, group);
+                } else {
+                    self.uneven_passes(epoch, films, target, group);
+                }
+            }
             // The first whole pass is worth showing whenever it comes.
             if done == 0 && whole_passes(films) > 0 {
                 self.outlet.send(|| epoch.snapshot(State::Running, whole_passes(films)));
@@ -180,10 +188,12 @@ impl Workers {
         });
         let found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
         let primitives = epoch.params.scene.geometry().len();
-        whole.then(|| *epoch.group.get_or_init(|| pilot::choose(found, primitives)))
+        let uniform = epoch.params.uniform;
+        whole.then(|| *epoch.group.get_or_init(|| pilot::choose(found, primitives, uniform)))
     }
 
-    /// Some passes, in bands of as many rows as are worth it. Ends early when it is to.
+    /// Some passes of a sample a pixel, in bands of as many rows as are worth it. Ends early when it is
+    /// to.
     fn passes(
         &self,
         epoch: &Epoch,
@@ -232,6 +242,39 @@ impl Workers {
                 })
             });
             row = end;
+        }
+    }
+
+    /// Passes up to this one that give cells as many samples as is planned for them. Every tile goes
+    /// through them by itself. Ends early when it is to.
+    fn uneven_passes(&self, epoch: &Epoch, films: &mut [Film], target: u64, group: Group) {
+        let plan = epoch.plan(films);
+        let due = epoch.is_snapshot_due(self.shared.interval());
+        let (start, samples) = (Instant::now(), AtomicU64::new(0));
+        self.pool.install(|| {
+            films.par_iter_mut().enumerate().with_max_len(1).for_each(|(index, film)| {
+                // A worker's own: nobody waits for this lock.
+                let worker = rayon::current_thread_index().unwrap_or(0);
+                let mut own = epoch.own[worker].lock().unwrap_or_else(PoisonError::into_inner);
+                let before = film.passes();
+                while film.passes() < target && self.shared.goes_on(epoch.number) {
+                    let traced = epoch.uneven_pass(index, film, &plan, group, &mut own);
+                    samples.fetch_add(traced, Ordering::Relaxed);
+                }
+                drop(own);
+                if film.passes() == before {
+                    return;
+                }
+                if due || self.options.preview && epoch.is_behind(index, film) {
+                    epoch.show_if_new(index, film);
+                    self.show_now_and_then(epoch);
+                }
+            })
+        });
+        let samples = samples.into_inner();
+        if samples > 0 {
+            let waves = start.elapsed().as_secs_f64() / WAVE_TIME.as_secs_f64();
+            self.wave.store((samples as f64 / waves.max(1e-6)) as u64, Ordering::Relaxed);
         }
     }
 
@@ -354,6 +397,14 @@ impl Workers {
         }
         *last = Instant::now();
         self.outlet.send(|| epoch.snapshot(State::Running, epoch.passes_shown()));
+    }
+}
+
+/// Has every tile's film begin anew.
+fn retire(epoch: &Epoch, films: &mut [Film]) {
+    for (index, film) in films.iter_mut().enumerate() {
+        let rect = epoch.grid.rect(index);
+        film.retire(rect.width(), rect.area());
     }
 }
 

@@ -121,6 +121,7 @@ mod tests {
             tiles: Vec::new(),
             dirty: Vec::new(),
             passes: 100,
+            whole: true,
             counts: Counts { paths: 10_000, ..Counts::default() },
             error,
             seconds: 20.0,

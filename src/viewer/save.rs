@@ -73,7 +73,10 @@ impl Job {
         let picture = self.snapshot.mean();
         for path in [&png, &exr] {
             match &self.recipe {
-                Some(recipe) => recipe.save(path, &picture, self.tone),
+                Some(recipe) => {
+                    let samples = self.snapshot.samples();
+                    recipe.save_with_samples(path, &picture, &samples, self.tone)
+                }
                 None => write(path, &picture, self.tone),
             }
             .map_err(|e| e.to_string())?;

@@ -192,6 +192,7 @@ mod tests {
             tiles: Vec::new(),
             dirty: Vec::new(),
             passes: 12,
+            whole: true,
             counts: Counts { paths: 3_000_000, ..Counts::default() },
             error: None,
             seconds: 2.0,

@@ -290,7 +290,8 @@ mod tests {
                 |x: u32, y: u32| [x as f32 / size[0] as f32, y as f32 / size[1] as f32, 0.5];
             let rows = (rect.y0..rect.y1).flat_map(|y| (rect.x0..rect.x1).map(move |x| (x, y)));
             let mean = rows.map(|(x, y)| pixel(x, y)).collect();
-            TileImage { passes: 1, mean, standard_error: Vec::new(), block: 1 }
+            let (samples, standard_error) = (Vec::new(), Vec::new());
+            TileImage { passes: 1, samples, mean, standard_error, block: 1 }
         };
         Snapshot {
             epoch: 1,
@@ -298,6 +299,7 @@ mod tests {
             tiles: (0..grid.len()).map(|i| keep(i).then(|| Arc::new(tile(i)))).collect(),
             dirty: Vec::new(),
             passes: 1,
+            whole: true,
             counts: Counts::default(),
             error: None,
             seconds: 0.0,
@@ -391,8 +393,10 @@ mod tests {
             let tile = whole.tiles[index].as_ref().unwrap();
             next.tiles[index] = Some(Arc::new(TileImage {
                 passes: 2,
+                samples: Vec::new(),
                 mean: tile.mean.iter().map(|p| p.map(|c| 0.5 * c)).collect(),
-                ..TileImage { passes: 1, mean: Vec::new(), standard_error: Vec::new(), block: 1 }
+                standard_error: Vec::new(),
+                block: 1,
             }));
         }
         texture.show(&next);

@@ -5,7 +5,7 @@ use crate::brdf::{Erratum, Model, Normals, Roughness};
 use crate::math::lanes::Isa;
 use crate::picture::{Curve, Tone};
 use crate::plain;
-use crate::progressive::{Params, Session};
+use crate::progressive::{Params, Session, plan};
 use crate::scene::read::parse_camera;
 use crate::trace::{Group, Strategy};
 
@@ -26,7 +26,9 @@ impl Recipe {
         };
         let passes = || {
             // Time may run out within a pass: then there are more paths than whole passes have.
-            let least = u64::from(width) * u64::from(height) * self.passes.min(Session::MAX_PASSES);
+            // Where samples are planned, passes are those of a pixel on the mean only, but for the first.
+            let each = if self.uniform { Session::MAX_PASSES } else { plan::UNIFORM };
+            let least = u64::from(width) * u64::from(height) * self.passes.min(each);
             if self.passes > Session::MAX_PASSES {
                 Some(format!("{} passes", self.passes))
             } else if self.paths < least || self.nonfinite > self.paths {

@@ -43,7 +43,7 @@ fn interrupted(params: &Params, threads: usize) -> Snapshot {
     let workers = Workers::new(options, shared.clone(), outlet).unwrap();
     let epoch = Epoch::new(1, params.clone(), threads);
     let mut films = vec![Film::default(); epoch.grid.len()];
-    films.iter_mut().enumerate().for_each(|(i, f)| f.retire(epoch.grid.rect(i).area()));
+    retire(&epoch, &mut films);
     let mut store = Store::default();
     let mut uneven = 0;
     for turn in 0.. {
@@ -61,11 +61,12 @@ fn interrupted(params: &Params, threads: usize) -> Snapshot {
     epoch.snapshot(State::Done, PASSES)
 }
 
-/// What upper rows of tiles have more than lower ones when they go on counts once.
+/// What upper rows of tiles have more than lower ones when they go on counts once; where samples are
+/// planned, what some tiles have more than others.
 #[test]
 fn a_pause_within_a_pass_leaves_no_trace() {
-    for clay in [true, false] {
-        let params = params(clay);
+    for (clay, uniform) in [(true, true), (false, true), (true, false), (false, false)] {
+        let params = Params { uniform, ..params(clay) };
         let plain = render(params.clone(), PASSES, 1).unwrap();
         for threads in [1, 3] {
             let paused = interrupted(&params, threads);
@@ -76,8 +77,16 @@ fn a_pause_within_a_pass_leaves_no_trace() {
             assert_eq!(error(&paused), error(&plain));
             let counts = |s: &Snapshot| [s.counts.paths, s.counts.nonfinite];
             assert_eq!(counts(&paused), counts(&plain));
+            assert_eq!(paused.samples(), plain.samples());
             let pixels = u64::from(SIZE[0] * SIZE[1]) * PASSES;
-            assert_eq!(counts(&plain), [pixels, if clay { 0 } else { pixels / 2 }]);
+            if uniform {
+                assert_eq!(counts(&plain), [pixels, if clay { 0 } else { pixels / 2 }]);
+                assert!(plain.samples().iter().all(|&n| n == PASSES));
+            } else {
+                let all: u64 = plain.samples().iter().sum();
+                assert_eq!(counts(&plain)[0], all);
+                assert!((all as f64 / pixels as f64 - 1.0).abs() < 0.03, "{all} of {pixels}");
+            }
         }
     }
 }
@@ -105,7 +114,7 @@ fn first_hits_are_kept_from_edit_to_edit() {
         edit(&mut params);
         let epoch = Epoch::new(1, params.clone(), 2);
         let mut films = vec![Film::default(); epoch.grid.len()];
-        films.iter_mut().enumerate().for_each(|(i, f)| f.retire(epoch.grid.rect(i).area()));
+        retire(&epoch, &mut films);
         workers.run(&epoch, &mut films, &mut store);
         let edited = epoch.snapshot(State::Done, 1);
         let fresh = render(params.clone(), 1, 1).unwrap();
@@ -127,7 +136,7 @@ fn no_row_is_left_behind_while_others_are_shown() {
     let workers = Workers::new(options, shared, outlet).unwrap();
     let epoch = Epoch::new(1, params(true), 1);
     let mut films = vec![Film::default(); epoch.grid.len()];
-    films.iter_mut().enumerate().for_each(|(i, f)| f.retire(epoch.grid.rect(i).area()));
+    retire(&epoch, &mut films);
     let mut store = Store::default();
     for pass in 0..30 {
         workers.passes(&epoch, &mut films, &mut store, pass..pass + 1, Group::None);
