@@ -168,7 +168,7 @@ impl Plan {
         let rate = &self.cells[self.starts[tile] + cell][half];
         let (from, to) = (rate.after(fours), rate.after(fours + 1));
         let middle = from + (to - from).div_ceil(2);
-        (half, if since % 2 == 0 { from..middle } else { middle..to })
+        (half, if since.is_multiple_of(2) { from..middle } else { middle..to })
     }
 }
 
@@ -289,8 +289,8 @@ mod tests {
         assert_eq!(plan.passes(), 16..64);
         let mut pixels = 0.0;
         let mut counts = Vec::new();
-        for tile in 0..grid.len() {
-            for cell in 0..films[tile].cells() {
+        for (tile, film) in films.iter().enumerate() {
+            for cell in 0..film.cells() {
                 let mut next = [4u64; 2];
                 for pass in 16..64 {
                     let (half, pairs) = plan.pairs(tile, cell, pass);
@@ -332,9 +332,9 @@ mod tests {
             };
             let mut sums = [0.0; 2];
             for _ in 0..UNIFORM {
-                for cell in 0..2 {
+                for (cell, sum) in sums.iter_mut().enumerate() {
                     let sample = draw(cell);
-                    sums[cell] += f64::from(sample.r);
+                    *sum += f64::from(sample.r);
                     (0..16).for_each(|x| films[0].add(16 * cell + x, sample));
                 }
                 films[0].end_pass();
@@ -344,12 +344,12 @@ mod tests {
             }
             let plan = Plan::new(grid, &films, UNIFORM);
             for pass in 16..64 {
-                for cell in 0..2 {
+                for (cell, sum) in sums.iter_mut().enumerate() {
                     let (half, pairs) = plan.pairs(0, cell, pass);
                     for _ in pairs {
                         for replicate in [2 * half, 2 * half + 1] {
                             let sample = draw(cell);
-                            sums[cell] += f64::from(sample.r);
+                            *sum += f64::from(sample.r);
                             (0..16).for_each(|x| films[0].add_to(16 * cell + x, replicate, sample));
                             films[0].count_samples(cell, replicate);
                         }

@@ -143,7 +143,7 @@ fn what_is_certain_is_so() {
             for (lane, [o, d]) in rays.iter().enumerate() {
                 let [nearest, may, certainly] =
                     [nearest, may, certainly].map(|mask| mask >> lane & 1 != 0);
-                if !(d.length2() > 1e-30) {
+                if d.length2() < 1e-30 {
                     continue;
                 }
                 let truth = body.meets(*o, *d, t_max);

@@ -77,6 +77,8 @@ impl Tracer {
             if bundle.shares && (event == 0 || firsts.any()) {
                 // Camera rays lie in the order of their places.
                 let slots = (event > 0).then_some(slot);
+                let [material, plate] = what;
+                let what = [material, plate, role.lead];
                 bundle.firsts.store(at, slots, firsts, &point, -d, beta, what);
             }
             if !go.any() {

@@ -65,6 +65,7 @@ impl Tracer {
         let mut bounds = [V3::default(); 2];
         let mut floor = 0;
         let has_others = bvh.has_others();
+        let any_lead = P::mask(if self.max_depth == u32::MAX { u32::MAX } else { 0 });
         seconds.seen.clear();
         seconds.seen.resize(seconds.count, 0);
         for at in 0..seconds.count {
@@ -80,6 +81,7 @@ impl Tracer {
                 continue;
             }
             let others = !seen;
+            let lead = P::Bits::splat(firsts.lead.0[slot]);
             effort.pairs += run.len() as u64;
             let splat = |v: &Columns3| V3::from(v.get(entry)).splat_lanes::<P>();
             let p2 = splat(&seconds.point.p);
@@ -101,6 +103,8 @@ impl Tracer {
                 let at = run.base + first;
                 let from = &firsts.point;
                 let there = !P::equal_bits(firsts.there.load::<P>(at), P::Bits::splat(0));
+                let alike = P::equal_bits(firsts.lead.load::<P>(at), lead);
+                let there = there & (alike | any_lead);
                 let (p1, ng1) = (from.p.load::<P>(at), from.ng.load::<P>(at));
                 let w = p2 - p1;
                 // The sides of both surfaces, as each path asks of its own. The second one's shading

@@ -26,7 +26,8 @@
 //!
 //! What a path sees in a mirror is of no use to its neighbours, so it goes through up to two of them,
 //! and the point that it comes to then is its `x1`, of whose light the camera gets what the mirrors
-//! leave.
+//! leave. Where the number of scattering events is limited, only paths that have gone through as many
+//! mirrors share: the light of the others has come by longer paths or by shorter ones.
 //!
 //! Light that `x1` emits, that it finds by asking, and that `x2` emits stays with its own path.
 
@@ -59,6 +60,8 @@ pub(super) struct Firsts {
     diffuse_share: Column<f32>,
     /// What the camera gets of the light that leaves towards it: 1, or less by way of mirrors.
     throughput: Columns3,
+    /// How many those are.
+    lead: Column<u32>,
 }
 
 /// Second surface points with what is known of the light there.
@@ -149,7 +152,7 @@ impl Firsts {
         point: &SurfacePoint<P>,
         wo: V3<P>,
         throughput: Rgb<P>,
-        [material, plate]: [P::Bits; 2],
+        [material, plate, lead]: [P::Bits; 3],
     ) {
         let throughput = V3::new(throughput.r, throughput.g, throughput.b);
         match slots {
@@ -158,6 +161,7 @@ impl Firsts {
                 self.point.push::<P>(at, all, point, [material, plate]);
                 self.wo.store(at, wo);
                 self.throughput.store(at, throughput);
+                self.lead.store::<P>(at, lead);
                 let [no, yes] = [0, 1].map(P::Bits::splat);
                 self.there.store::<P>(at, P::select_bits(there, yes, no));
             }
@@ -169,12 +173,14 @@ impl Firsts {
                 places.put(&mut self.point.ns, point.ns);
                 places.put(&mut self.wo, wo);
                 places.put(&mut self.throughput, throughput);
-                let (mut words, mut plates) = ([0; 16], [0; 16]);
-                P::store_bits(material, &mut words);
-                P::store_bits(plate, &mut plates);
+                let mut words = [[0; 16]; 3];
+                P::store_bits(material, &mut words[0]);
+                P::store_bits(plate, &mut words[1]);
+                P::store_bits(lead, &mut words[2]);
                 for (lane, slot) in places.each() {
-                    self.point.material.0[slot] = words[lane];
-                    self.point.plate.0[slot] = plates[lane];
+                    self.point.material.0[slot] = words[0][lane];
+                    self.point.plate.0[slot] = words[1][lane];
+                    self.lead.0[slot] = words[2][lane];
                     self.there.0[slot] = 1;
                 }
             }

@@ -54,6 +54,10 @@ fn sees(tracer: &Tracer, first: &Point, second: &Point, scratch: &mut Scratch) -
     faces && !bvh.occluded(geometry, &ray, SHADOW_END, &mut scratch.stack)
 }
 
+/// A first and a second point: density by area, what is carried between them, and BRDF times cosine
+/// and density of both directions.
+type Pair = (f64, [f64; 3], [([f64; 3], f64); 2]);
+
 /// What one group's paths receive, by the formula at the head of the module.
 fn naive<M: Microfacet>(
     tracer: &Tracer,
@@ -155,9 +159,7 @@ fn naive<M: Microfacet>(
             }
             // The rest, by its own path alone.
             let pdf = [whole.2[0].1, whole.2[1].1];
-            let rest = |of: &(f64, [f64; 3], [([f64; 3], f64); 2])| {
-                of.1[c] * sent(&of.2, pdf, c) / whole.0
-            };
+            let rest = |of: &Pair| of.1[c] * sent(&of.2, pdf, c) / whole.0;
             let is_split = leaves_out || first.weak;
             sums[slot - base][c] += if is_split { rest(&whole) - rest(&own) } else { 0.0 };
         }
