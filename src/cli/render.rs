@@ -44,12 +44,12 @@ pub(super) struct Args {
     #[arg(long = "model", value_name = "MODELS", default_value = "ggx",
           value_parser = values::chosen(Model::ALL, Model::name))]
     models: Chosen<Model>,
-    /// Samples a pixel.
+    /// Samples a pixel: of each up to 16, then on the mean unless --uniform is given.
     #[arg(long, value_name = "N", default_value_t = 64,
           value_parser = clap::value_parser!(u64).range(1..=Session::MAX_PASSES))]
     passes: u64,
     /// Renders for so long instead, loading not counted. It may end within a pass: every pixel is
-    /// divided by its own number of samples.
+    /// divided by its own numbers of samples.
     #[arg(long, value_name = "SECONDS", conflicts_with = "passes",
           value_parser = values::seconds)]
     time: Option<f64>,

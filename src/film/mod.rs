@@ -5,7 +5,7 @@
 //! replicates ([`REPLICATES`]), and the spread of the replicates' means is the error.
 //!
 //! Not all pixels need as many samples. The unit in which they may differ is a [cell](CELL), and
-//! there the replicates: the first two have the same number, and the last two. Once these differ, a
+//! there the replicates: the first two have the same number, and the last two. Once numbers are chosen, a
 //! pixel is the plain mean of its replicates' means. Dividing all of its samples by their number
 //! would bring a bias: numbers are chosen by what samples say, and which replicates have many would
 //! depend on what the others found.
@@ -29,6 +29,9 @@ pub struct Film {
     sums: Vec<[[f64; 3]; REPLICATES]>,
     /// Samples that each pixel of a cell has, by replicate; cells row by row.
     counts: Vec<[u64; REPLICATES]>,
+    /// Whether numbers of samples were chosen: then replicates count alike, even where they happen to
+    /// have what passes in turn would have given them.
+    uneven: bool,
     /// What [`Film::note_spread`] has noted, by cell and half of the replicates.
     spreads: Vec<[Vec<f32>; 2]>,
     passes: u64,
@@ -51,6 +54,7 @@ impl Film {
         let rows = pixels.div_ceil(self.width);
         let cells = self.width.div_ceil(CELL) * rows.div_ceil(CELL);
         self.counts.resize(cells, [0; REPLICATES]);
+        self.uneven = false;
         self.spreads.clear();
         self.spreads.resize(cells, Default::default());
         self.passes = 0;
@@ -95,8 +99,10 @@ impl Film {
         sum[2] += sample.b as f64;
     }
 
-    /// Counts a sample of this replicate for all pixels of a cell.
+    /// Counts a sample of this replicate for all pixels of a cell. From the first one on the film's
+    /// replicates count alike.
     pub fn count_samples(&mut self, cell: usize, replicate: usize) {
+        self.uneven = true;
         self.counts[cell][replicate] += 1;
     }
 
@@ -171,14 +177,14 @@ impl Film {
 
     /// What all samples so far say: mean and variance of the mean of every pixel and channel.
     ///
-    /// Where replicates have as many samples as the passes dealt in turn give them, n_r in replicate
-    /// r, N in all, and replicate means m_r: the mean is `sum n_r m_r / N` and its variance is
+    /// While all samples are of passes dealt to the replicates in turn, n_r in replicate r, N in all, and replicate means m_r: the mean is `sum n_r m_r / N` and its variance is
     /// estimated by `sum (n_r / N)² (m_r - mean)² * R / (R - 1)`, which is exact where all n_r are
-    /// equal. Elsewhere both are the same with 1 / R in place of n_r / N, and the variance is exact
+    /// equal. Afterwards both are the same with 1 / R in place of n_r / N, and the variance is exact
     /// again, whatever the replicates' own variances are. Before every replicate has a pass there are
     /// no variances.
     fn moments(&self) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
-        let shares: Vec<Shares> = self.counts.iter().map(Shares::new).collect();
+        let shares = |counts| Shares::new(counts, !self.uneven);
+        let shares: Vec<Shares> = self.counts.iter().map(shares).collect();
         let across = self.width.div_ceil(CELL);
         let mut means = Vec::with_capacity(self.sums.len());
         let mut variances = Vec::with_capacity(self.sums.len());
@@ -214,15 +220,13 @@ struct Shares {
     per_sum: [f64; REPLICATES],
     /// The parts that the replicates' means have of the whole mean.
     part: [f64; REPLICATES],
-    /// Whether the replicates have what passes dealt in turn give them.
+    /// Whether every sample has the same weight.
     in_turn: bool,
 }
 
 impl Shares {
-    fn new(counts: &[u64; REPLICATES]) -> Shares {
+    fn new(counts: &[u64; REPLICATES], in_turn: bool) -> Shares {
         let all: u64 = counts.iter().sum();
-        let r = REPLICATES as u64;
-        let in_turn = (0..r).all(|k| counts[k as usize] == all / r + u64::from(k < all % r));
         if in_turn {
             let per_mean = if all > 0 { 1.0 / all as f64 } else { 0.0 };
             return Shares {

@@ -116,7 +116,8 @@ impl Epoch {
         }
     }
 
-    /// Traces what a tile is to get in its next pass, and adds it. Returns the number of samples.
+    /// Traces what a tile is to get in its next pass, and adds it. Returns the number of samples;
+    /// `None` if half-way the picture was not `wanted` any more, for a noisy tile has many bundles.
     pub(super) fn uneven_pass(
         &self,
         index: usize,
@@ -124,13 +125,17 @@ impl Epoch {
         plan: &Plan,
         group: Group,
         Own { scratch, hand }: &mut Own,
-    ) -> u64 {
+        wanted: &dyn Fn() -> bool,
+    ) -> Option<u64> {
         let (rect, pass) = (self.grid.rect(index), film.begin_pass());
         let (mut paths, mut nonfinite) = (0, 0);
         for cell in 0..film.cells() {
             let (half, pairs) = plan.pairs(index, cell, pass);
             let area = plan::cell_rect(self.grid, index, cell);
             for pair in pairs {
+                if !wanted() {
+                    return None;
+                }
                 hand.clear();
                 for replicate in [2 * half, 2 * half + 1] {
                     let own_pass = REPLICATES as u64 * pair + replicate as u64;
@@ -158,7 +163,7 @@ impl Epoch {
         film.end_uneven_pass();
         let (rays, capped) = (take(&mut scratch.rays), take(&mut scratch.capped));
         self.count(Counts { paths, rays, nonfinite, capped });
-        paths
+        Some(paths)
     }
 
     /// Adds the samples of those of the canvas's passes that a tile's film does not have: after an

@@ -230,6 +230,11 @@ impl Shared {
             && !self.stopped.load(Ordering::Acquire)
     }
 
+    /// Whether anyone wants the picture of this epoch any more, be it later.
+    pub(super) fn is_wanted(&self, epoch: u64) -> bool {
+        self.epoch.load(Ordering::Acquire) == epoch && !self.stopped.load(Ordering::Acquire)
+    }
+
     /// Waits until there is something to do for a driver that has rendered `passes` of `epoch`, or
     /// has `failed` to. `idle` is called with the reason before each wait.
     pub(super) fn wait(

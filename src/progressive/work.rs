@@ -258,8 +258,12 @@ impl Workers {
                 let mut own = epoch.own[worker].lock().unwrap_or_else(PoisonError::into_inner);
                 let before = film.passes();
                 while film.passes() < target && self.shared.goes_on(epoch.number) {
-                    let traced = epoch.uneven_pass(index, film, &plan, group, &mut own);
-                    samples.fetch_add(traced, Ordering::Relaxed);
+                    let wanted = || self.shared.is_wanted(epoch.number);
+                    let own = &mut own;
+                    let Some(n) = epoch.uneven_pass(index, film, &plan, group, own, &wanted) else {
+                        return;
+                    };
+                    samples.fetch_add(n, Ordering::Relaxed);
                 }
                 drop(own);
                 if film.passes() == before {

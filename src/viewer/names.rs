@@ -36,8 +36,8 @@ pub(super) const STOP_AT: Control = control(
 );
 pub(super) const PASS_LIMIT: Control = control(
     "Pass limit",
-    "Tracing stops after this many passes; each adds one sample to every pixel. 1 to 4294967296. A \
-     higher limit goes on where it stopped.",
+    "Tracing stops after this many passes; each adds one sample to every pixel, after 16 of \
+     them on the mean. 1 to 4294967296. A higher limit goes on where it stopped.",
 );
 pub(super) const ERROR_LIMIT: Control = control(
     "Error limit",

@@ -20,7 +20,7 @@ use crate::math::V3;
 use crate::math::lanes::{Bits, Mask, Packet, Wide};
 use quick::{Quick, Segment};
 
-/// Most shapes: as many as a word has bits.
+/// Most shapes: of more than these each ray of a register is tried against too many that it misses.
 const MOST: usize = 32;
 /// Where a scene has more than these, shapes with a box of at least this part of the surface of the
 /// scene's.

@@ -81,6 +81,20 @@ impl Body {
     }
 }
 
+/// Origins and directions of a register's worth of rays from the `at`th on.
+#[inline(always)]
+fn load<P: Packet>(rays: &[[V3; 2]; LANES], at: usize) -> (V3<P>, V3<P>) {
+    let mut columns = [[0.0; LANES]; 6];
+    for (i, [o, d]) in rays[at..].iter().enumerate() {
+        for (column, x) in columns.iter_mut().zip([o.x, o.y, o.z, d.x, d.y, d.z]) {
+            column[i] = x;
+        }
+    }
+    let [ox, oy, oz, dx, dy, dz] = &columns;
+    let o = V3::new(P::load(ox), P::load(oy), P::load(oz));
+    (o, V3::new(P::load(dx), P::load(dy), P::load(dz)))
+}
+
 /// For rays: which may meet a body as the nearest, which may meet it at all, and which certainly do.
 struct Try<'a>(&'a Quick, &'a [[V3; 2]; LANES], f32);
 
@@ -91,14 +105,8 @@ impl Kernel for Try<'_> {
         let Try(quick, rays, t_max) = self;
         let mut found = [0; 3];
         for at in (0..LANES).step_by(P::WIDTH) {
-            let load = |which: usize, get: fn(V3) -> f32| {
-                let xs: [f32; LANES] =
-                    from_fn(|i| rays.get(at + i).map_or(0.0, |ray| get(ray[which])));
-                P::load(&xs)
-            };
-            let v =
-                |which| V3::new(load(which, |v| v.x), load(which, |v| v.y), load(which, |v| v.z));
-            let segment = Segment::new(v(0), v(1), P::splat(t_max));
+            let (o, d) = load::<P>(rays, at);
+            let segment = Segment::new(o, d, P::splat(t_max));
             let [may, certainly] = quick.occludes(&segment);
             let masks = [quick.may_meet(&segment), may, certainly];
             for (found, mask) in found.iter_mut().zip(masks) {
@@ -188,14 +196,7 @@ impl Kernel for All<'_> {
         let (geometry, quadrics) = (scene.geometry(), scene.bvh().quadrics());
         let (mut nearest, mut shadows) = (vec![None; LANES], [0; 2]);
         for at in (0..LANES).step_by(P::WIDTH) {
-            let load = |which: usize, get: fn(V3) -> f32| {
-                let xs: [f32; LANES] =
-                    from_fn(|i| rays.get(at + i).map_or(0.0, |ray| get(ray[which])));
-                P::load(&xs)
-            };
-            let v =
-                |which| V3::new(load(which, |v| v.x), load(which, |v| v.y), load(which, |v| v.z));
-            let (o, d) = (v(0), v(1));
+            let (o, d) = load::<P>(rays, at);
             let (passing, live) = (Passing::new(o, d), P::mask(u32::MAX));
             let ray = |lane: usize| Ray { o: rays[at + lane][0], d: rays[at + lane][1] };
             let [from, to] = ends.map(P::Bits::splat);

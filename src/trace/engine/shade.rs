@@ -297,18 +297,16 @@ impl<P: Packet> Role<P> {
     fn of(shares: bool, lead: P::Bits, event: u32, mirror: P::Mask) -> Role<P> {
         let (none, zero) = (P::mask(0), P::Bits::splat(0));
         if !shares {
-            let none = [none; 4];
-            let [first, second, third, later] = none;
-            return Role { first, second, third, later, lead, asked: zero };
+            return Role { first: none, second: none, third: none, later: none, lead, asked: zero };
         }
-        let is = |event: u32| P::equal_bits(lead, P::Bits::splat(event));
-        let at_front = is(event);
+        let at_front = P::equal_bits(lead, P::Bits::splat(event));
         let passes = at_front & mirror & P::mask(if event < MOST_MIRRORS { u32::MAX } else { 0 });
-        let second = if event >= 1 { is(event - 1) } else { none };
-        let third = if event >= 2 { is(event - 2) } else { none };
+        // No path has a lead of all ones, which these are where there is no such event.
+        let second = P::equal_bits(lead, P::Bits::splat(event.wrapping_sub(1)));
+        let third = P::equal_bits(lead, P::Bits::splat(event.wrapping_sub(2)));
         let later = !(at_front | second | third);
         let one = P::Bits::splat(1);
-        let [asked, reflected] = [ASKED, REFLECTED].map(|sum| P::Bits::splat(sum << 16));
+        let (asked, reflected) = (P::Bits::splat(ASKED << 16), P::Bits::splat(REFLECTED << 16));
         let after = P::select_bits(third | later, reflected, zero);
         Role {
             first: at_front & !passes,
