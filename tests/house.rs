@@ -43,7 +43,7 @@ const ONE_PLACE: [(&str, &[&str]); 28] = [
     ("crossbeam_channel", &["src/progressive/"]),
     ("egui", &["src/viewer/"]),
     ("eframe", &["src/viewer/"]),
-    ("rfd::", &["src/viewer/browse.rs"]),
+    ("rfd::", &["src/viewer/jobs/browse.rs"]),
     ("clap", &["src/cli/"]),
     ("anstream", &["src/cli/talk.rs"]),
     ("anstyle", &["src/cli/talk.rs"]),

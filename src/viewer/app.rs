@@ -1,28 +1,30 @@
 //! The window's state: takes in what the background sent, lays the panels out, and tells the
 //! renderer what they changed. Knows egui, but not the window itself.
 
-use super::browse::{Browsing, Dialog, Picked};
-use super::canvas::Canvas;
-use super::controls::Controls;
-use super::document::Document;
-use super::energy::Energy;
-use super::help::Help;
-use super::keys::{self, Action};
-use super::load::{Failed, Loaded, Loading, Source};
-use super::materials::Materials;
-use super::method::{self, MethodPanel};
-use super::notice::Notice;
-use super::open::{self, Open};
-use super::proofs::Proofs;
-use super::render::Render;
-use super::report::ReportPanel;
-use super::save::Saving;
-use super::settings::Settings;
-use super::status::{Facts, Status};
-use super::tracing::TracingPanel;
-use super::view::View;
-use super::watch::Watch;
-use super::{readout, theme, widgets};
+use crate::viewer::document::Document;
+use crate::viewer::jobs::browse::{Browsing, Dialog, Picked};
+use crate::viewer::jobs::load::{Failed, Loaded, Loading, Source};
+use crate::viewer::jobs::save::Saving;
+use crate::viewer::jobs::watch::Watch;
+use crate::viewer::keys::{self, Action};
+use crate::viewer::panels::controls::Controls;
+use crate::viewer::panels::energy::Energy;
+use crate::viewer::panels::help::Help;
+use crate::viewer::panels::materials::Materials;
+use crate::viewer::panels::method::{self, MethodPanel};
+use crate::viewer::panels::notice::Notice;
+use crate::viewer::panels::open::{self, Open};
+use crate::viewer::panels::proofs::Proofs;
+use crate::viewer::panels::report::ReportPanel;
+use crate::viewer::panels::status::{Facts, Status};
+use crate::viewer::panels::tracing::TracingPanel;
+use crate::viewer::panels::view::View;
+use crate::viewer::picture::canvas::Canvas;
+use crate::viewer::picture::readout;
+use crate::viewer::render::Render;
+use crate::viewer::settings::Settings;
+use crate::viewer::style::theme;
+use crate::viewer::style::widgets;
 use burnish::progressive::State;
 use egui::{
     Align2, Area, CentralPanel, Context, Frame, Id, Margin, Order, Panel, ScrollArea, Ui,

@@ -1,6 +1,6 @@
 //! What the window's thread has to do, and what it leaves to the workers: told with `-v`.
 
-use super::app::App;
+use crate::viewer::app::App;
 use std::time::{Duration, Instant};
 
 /// A moment on the clock and in the life of this thread.

@@ -1,58 +1,32 @@
 //! The window: a picture getting better, three models to switch, one roughness slider.
 //!
-//! [`app`] holds the state and lays the panels out; each panel is one file. Panels change the
+//! [`app`] holds the state and lays the [`panels`] out; each panel is one file. Panels change the
 //! [`document`]; [`render`] turns that into orders for the workers and hands back their
-//! snapshots; [`canvas`] draws these. [`keys`] is the one table of shortcuts. Nothing here waits:
-//! scenes are read and snapshots written by threads of their own ([`load`], [`save`]), and a
-//! window in which nothing happens is not redrawn.
+//! snapshots; [`picture`] draws these. [`keys`] is the one table of shortcuts, [`style`] the one place
+//! of colours and labels. Nothing here waits: scenes are read and snapshots written by the [`jobs`],
+//! threads of their own, and a window in which nothing happens is not redrawn.
 
-mod acts;
+mod actions;
 mod app;
-mod background;
-mod browse;
-mod canvas;
-mod command;
-mod controls;
 mod document;
 mod effort;
-mod energy;
-mod figures;
-mod goal;
-mod help;
-mod history;
+mod jobs;
 mod keys;
-mod load;
-mod materials;
-mod method;
-mod names;
-mod notice;
-mod open;
-mod orbit;
-mod proofs;
-mod readout;
-mod recent;
+mod panels;
+mod picture;
 mod render;
-mod report;
-mod save;
 mod settings;
-mod shell;
 mod smoke;
-mod status;
-mod surface;
-mod texture;
-mod theme;
-mod tracing;
-mod view;
-mod watch;
-mod widgets;
+mod style;
+mod window;
 
 #[cfg(test)]
 mod tests;
 
 use settings::Settings;
-use shell::{Shell, Told};
 use std::path::PathBuf;
 use std::sync::PoisonError;
+use window::{Told, Window};
 
 /// How the window starts.
 #[derive(Clone, Debug, Default)]
@@ -105,7 +79,7 @@ pub(crate) fn run(options: Options) -> Result<Option<String>, String> {
     let tell = told.clone();
     let create = move |cc: &eframe::CreationContext<'_>| {
         bring_back(cc);
-        Ok(Box::new(Shell::new(&cc.egui_ctx, &options, settings, kept, tell)) as Box<_>)
+        Ok(Box::new(Window::new(&cc.egui_ctx, &options, settings, kept, tell)) as Box<_>)
     };
     eframe::run_native("burnish", native, Box::new(create)).map_err(|e| reason(&e))?;
     let mut told = told.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,8 +1,8 @@
 //! The session and what it has been told: turns edits of the document into orders for the
 //! workers, and hands back what they sent.
 
-use super::document::Document;
-use super::goal::{Goal, Stop};
+use crate::viewer::document::Document;
+use crate::viewer::document::goal::{Goal, Stop};
 use burnish::progressive::{Params, ParamsError, Session, Snapshot, State};
 use egui::Context;
 use std::sync::Arc;

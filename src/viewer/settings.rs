@@ -1,8 +1,8 @@
 //! What the window remembers from one day to the next: how it looks and what it aims at, but
 //! nothing of a scene.
 
-use super::goal::{Goal, Stop};
-use super::recent::Recent;
+use crate::viewer::document::goal::{Goal, Stop};
+use crate::viewer::document::recent::Recent;
 use burnish::picture::{Curve, Tone, replace_file};
 use egui::ThemePreference;
 use serde_json::{Map, Value, json};
@@ -86,8 +86,11 @@ impl Settings {
         Settings {
             theme: theme.map_or(first.theme, |(theme, _)| *theme),
             tone: Tone {
-                exposure: number("exposure", super::view::View::STOPS.map(f64::from))
-                    .map_or(first.tone.exposure, |x| x as f32),
+                exposure: number(
+                    "exposure",
+                    crate::viewer::panels::view::View::STOPS.map(f64::from),
+                )
+                .map_or(first.tone.exposure, |x| x as f32),
                 curve: curve.unwrap_or(first.tone.curve),
             },
             goal: Goal {

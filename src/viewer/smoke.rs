@@ -1,6 +1,6 @@
 //! A window that closes by itself after a while, with a picture of itself: for smoke tests.
 
-use super::shell::Told;
+use crate::viewer::window::Told;
 use burnish::picture::{Picture, Tone, write};
 use egui::{Color32, ColorImage, Context, Rgba, ViewportCommand};
 use std::path::{Path, PathBuf};

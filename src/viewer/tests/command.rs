@@ -1,7 +1,7 @@
 //! The copied command line: what it says is what it renders.
 
 use super::*;
-use crate::viewer::command::again;
+use crate::viewer::document::command::again;
 use burnish::brdf::{Erratum, Normals, Roughness};
 use burnish::progressive::{Params, Strategy, render};
 use burnish::scene::read;

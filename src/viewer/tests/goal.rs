@@ -1,7 +1,7 @@
 //! When tracing stops.
 
 use super::*;
-use crate::viewer::goal::{Goal, Stop};
+use crate::viewer::document::goal::{Goal, Stop};
 
 fn is_done(app: &App) -> bool {
     app.render.as_ref().unwrap().is_done()

@@ -1,7 +1,7 @@
 //! Undo and redo of everything that can be set.
 
 use super::*;
-use crate::viewer::goal::{Goal, Stop};
+use crate::viewer::document::goal::{Goal, Stop};
 use burnish::brdf::{Erratum, Normals, Roughness};
 use burnish::progressive::Strategy;
 

@@ -173,7 +173,7 @@ fn the_pixel_under_the_pointer_is_told() {
     let error = desk.newest().standard_error().pixels[24 * 64 + 42];
     assert_eq!(hover.standard_error, Some(error));
     assert!(error[0] > 0.0, "{error:?}");
-    for line in crate::viewer::readout::lines(&hover) {
+    for line in crate::viewer::picture::readout::lines(&hover) {
         desk.harness.get_by_label(&line);
     }
     // It makes way for the pointer, and goes with it.

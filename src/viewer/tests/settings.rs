@@ -1,7 +1,7 @@
 //! What is remembered, and what is not.
 
 use super::*;
-use crate::viewer::goal::{Goal, Stop};
+use crate::viewer::document::goal::{Goal, Stop};
 use burnish::picture::Tone;
 use egui::ThemePreference;
 

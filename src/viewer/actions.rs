@@ -1,0 +1,139 @@
+//! What keys and buttons do.
+
+use crate::viewer::app::App;
+use crate::viewer::document::command;
+use crate::viewer::jobs::save::{Job, Saving, SceneJob, stem};
+use crate::viewer::keys::Action;
+use crate::viewer::panels::notice::Notice;
+use crate::viewer::panels::view::View;
+use crate::viewer::picture::orbit;
+use burnish::progressive::Recipe;
+use egui::{Context, ViewportCommand};
+
+/// What one press of [ or ] does to alpha: four of them double it.
+const ROUGHNESS_STEP: f64 = 1.189_207_115_002_721;
+/// What one press of E does, in stops.
+const EXPOSURE_STEP: f32 = 0.5;
+
+impl App {
+    /// Does what a key or a button asks for.
+    pub(super) fn act(&mut self, ctx: &Context, action: Action) {
+        match action {
+            Action::Open => self.open.toggle(),
+            Action::Help => self.help.open = !self.help.open,
+            Action::Zoom => self.canvas.toggle_zoom(),
+            Action::FullScreen => {
+                self.full_screen = !self.full_screen;
+                ctx.send_viewport_cmd(ViewportCommand::Fullscreen(self.full_screen));
+            }
+            Action::Save => self.save(ctx),
+            Action::SaveScene => self.save_scene(ctx),
+            Action::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
+            Action::Browse => self.browse(ctx),
+            Action::Reload => self.reload(ctx),
+            Action::CopyCommand => self.copy_command(ctx),
+            _ => self.edit(ctx, action),
+        }
+    }
+
+    /// The actions that need a scene.
+    fn edit(&mut self, ctx: &Context, action: Action) {
+        let Some(document) = &mut self.document else { return };
+        match action {
+            Action::Model(model) => document.params.model = model,
+            Action::Smoother => document.scale_roughness(1.0 / ROUGHNESS_STEP),
+            Action::Rougher => document.scale_roughness(ROUGHNESS_STEP),
+            Action::Pause => document.paused = !document.paused,
+            Action::Brighter => View::expose(document, EXPOSURE_STEP),
+            Action::Darker => View::expose(document, -EXPOSURE_STEP),
+            Action::Home => document.params.camera = document.params.scene.camera(),
+            Action::Frame => {
+                let camera = &document.params.camera;
+                document.params.camera =
+                    orbit::framed(camera, document.subject(), document.aspect());
+            }
+            Action::Restart => {
+                document.paused = false;
+                if let Some(render) = &mut self.render {
+                    render.restart();
+                }
+            }
+            Action::CopyCamera => {
+                let line = document.params.camera.scn_line();
+                self.notice = Some(Notice::news(format!("Copied: {line}")));
+                ctx.copy_text(line);
+            }
+            Action::Undo | Action::Redo => {
+                let done = if action == Action::Undo { document.undo() } else { document.redo() };
+                if done {
+                    document.paused = false;
+                }
+            }
+            // Done without one.
+            _ => {}
+        }
+    }
+
+    fn save(&mut self, ctx: &Context) {
+        if self.is_saving() {
+            return;
+        }
+        let (Some(document), Some(render)) = (&self.document, &self.render) else { return };
+        let Some(snapshot) = render.newest.clone() else { return };
+        let params = &document.params;
+        let current = snapshot.epoch >= render.epoch;
+        let job = Job {
+            recipe: current.then(|| Recipe::new(render.told(), &snapshot)),
+            snapshot,
+            tone: document.tone,
+            folder: self.folder.clone(),
+            stem: stem(params),
+        };
+        match Saving::snapshot(ctx, job) {
+            Ok(saving) => self.saving = Some(saving),
+            Err(why) => self.notice = Some(Notice::error(why)),
+        }
+    }
+
+    /// Beside the scene's own file, where its models are found; what has none goes where snapshots do.
+    fn save_scene(&mut self, ctx: &Context) {
+        if self.is_saving() {
+            return;
+        }
+        let Some(document) = &self.document else { return };
+        let beside = document.source.path().and_then(|path| path.parent());
+        let folder = beside.unwrap_or(&self.folder).to_path_buf();
+        match Saving::scene(ctx, SceneJob { params: document.params.clone(), folder }) {
+            Ok(saving) => self.saving = Some(saving),
+            Err(why) => self.notice = Some(Notice::error(why)),
+        }
+    }
+
+    /// Whether a file is being written; then it is told, too.
+    fn is_saving(&mut self) -> bool {
+        if self.saving.is_some() {
+            self.notice = Some(Notice::news("The file before is still being written"));
+        }
+        self.saving.is_some()
+    }
+
+    fn copy_command(&mut self, ctx: &Context) {
+        let (Some(document), Some(render)) = (&self.document, &self.render) else { return };
+        let Some(snapshot) = &render.newest else { return };
+        let made = command::again(render.told(), snapshot, document.tone, &document.source);
+        self.notice = Some(match made {
+            Ok(text) => {
+                let lines = text.lines().count();
+                let told = match lines {
+                    1 => format!("Copied: {text}"),
+                    n => format!(
+                        "Copied {n} lines: the edited scene, and the command that renders it"
+                    ),
+                };
+                ctx.copy_text(text);
+                Notice::news(told)
+            }
+            Err(why) => Notice::error(format!("no command: {why}")),
+        });
+    }
+}

@@ -1,0 +1,175 @@
+//! When tracing is to stop, and how long it may take until then.
+
+use crate::viewer::style::labels::{self, Control};
+use crate::viewer::style::numbers::{duration, percent};
+use burnish::progressive::{ErrorEstimate, Session, Snapshot, StopRule};
+
+/// What it is that ends the tracing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stop {
+    Passes,
+    Error,
+    Time,
+}
+
+impl Stop {
+    pub(crate) const ALL: [Stop; 3] = [Stop::Passes, Stop::Error, Stop::Time];
+
+    pub(crate) fn title(self) -> &'static str {
+        match self {
+            Stop::Passes => "Passes",
+            Stop::Error => "Error",
+            Stop::Time => "Time",
+        }
+    }
+
+    /// The field of its figure.
+    pub(crate) fn limit(self) -> Control {
+        match self {
+            Stop::Passes => labels::PASS_LIMIT,
+            Stop::Error => labels::ERROR_LIMIT,
+            Stop::Time => labels::TIME_LIMIT,
+        }
+    }
+}
+
+/// The end that is chosen, with the figures of all three.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Goal {
+    pub(crate) stop: Stop,
+    /// 1 to [`Session::MAX_PASSES`].
+    pub(crate) passes: u64,
+    /// The relative error that its upper 95 % limit is to reach, as a part of one.
+    pub(crate) error: f64,
+    /// Of tracing.
+    pub(crate) seconds: f64,
+}
+
+impl Default for Goal {
+    fn default() -> Goal {
+        Goal { stop: Stop::Passes, passes: 1024, error: 0.01, seconds: 60.0 }
+    }
+}
+
+impl Goal {
+    /// The largest number of passes that can be wished for.
+    pub(crate) const PASSES: u64 = Session::MAX_PASSES;
+    /// Errors that can be wished for.
+    pub(crate) const ERROR: [f64; 2] = [1e-6, 1.0];
+    /// Times that can be, in seconds.
+    pub(crate) const SECONDS: [f64; 2] = [0.1, 1e9];
+
+    /// Passes at which to stop, or to look again, where there are `passes` with this error.
+    pub(crate) fn limit(&self, passes: u64, error: Option<&ErrorEstimate>) -> u64 {
+        match self.stop {
+            Stop::Passes => self.passes,
+            // As a file is rendered, so that both end at the same pass.
+            Stop::Error if passes < StopRule::FIRST => StopRule::FIRST,
+            Stop::Error => self.rule().next(passes, error).unwrap_or(passes),
+            Stop::Time => Session::MAX_PASSES,
+        }
+    }
+
+    /// Whether the time is over. The workers don't look at the clock.
+    pub(crate) fn time_is_up(&self, seconds: f64) -> bool {
+        self.stop == Stop::Time && seconds >= self.seconds
+    }
+
+    /// When the end is expected: "1.00 % in 12 s".
+    pub(crate) fn ahead(&self, snapshot: &Snapshot) -> String {
+        let left = self.left(snapshot).map_or("-".to_owned(), duration);
+        match self.stop {
+            Stop::Passes | Stop::Time => format!("end in {left}"),
+            Stop::Error => format!("{} in {left}", percent(self.error)),
+        }
+    }
+
+    /// Seconds of tracing still to go, if that can be told.
+    fn left(&self, snapshot: &Snapshot) -> Option<f64> {
+        let Snapshot { passes, seconds, .. } = *snapshot;
+        let times = match self.stop {
+            Stop::Time => return Some((self.seconds - seconds).max(0.0)),
+            // By paths, as one pass may take minutes.
+            Stop::Passes => {
+                let [width, height] = snapshot.grid.size.map(f64::from);
+                width * height * self.passes as f64 / snapshot.counts.paths as f64
+            }
+            Stop::Error => {
+                let error = snapshot.error.filter(|e| e.reliable);
+                let needed = self.rule().needed(passes, Some(&error?))?;
+                needed.max(StopRule::FIRST) as f64 / passes as f64
+            }
+        };
+        Some(seconds * (times - 1.0).max(0.0)).filter(|left| left.is_finite())
+    }
+
+    fn rule(&self) -> StopRule {
+        StopRule { wanted: self.error }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use burnish::progressive::{Counts, Figure, Interval, State, TileGrid};
+
+    /// 100 passes of 10 x 10 pixels in 20 seconds.
+    fn snapshot(error: Option<ErrorEstimate>) -> Snapshot {
+        Snapshot {
+            epoch: 1,
+            grid: TileGrid { size: [10, 10] },
+            tiles: Vec::new(),
+            dirty: Vec::new(),
+            passes: 100,
+            whole: true,
+            counts: Counts { paths: 10_000, ..Counts::default() },
+            error,
+            seconds: 20.0,
+            group: burnish::trace::Group::None,
+            state: State::Running,
+        }
+    }
+
+    /// 2 %, at most 4 %.
+    fn error(reliable: bool) -> Option<ErrorEstimate> {
+        let figure = Figure { value: 0.02, interval: Interval { low: 0.015, high: 0.04 } };
+        Some(ErrorEstimate {
+            rel_mse: figure,
+            relative: figure,
+            rmse: figure,
+            terms: 9.0,
+            reliable,
+        })
+    }
+
+    #[test]
+    fn the_end_is_told_as_far_as_it_is_known() {
+        let passes = Goal { passes: 250, ..Goal::default() };
+        let wanted = |error| Goal { stop: Stop::Error, error, ..Goal::default() };
+        let time = |seconds| Goal { stop: Stop::Time, seconds, ..Goal::default() };
+        for (goal, error, words) in [
+            (passes, None, "end in 30 s"),
+            (Goal { passes: 3, ..passes }, None, "end in 0 s"),
+            // It is the upper limit that has to come down, to a half: four times the passes.
+            (wanted(0.02), error(true), "2.00 % in 60 s"),
+            (wanted(0.02), error(false), "2.00 % in -"),
+            (wanted(0.02), None, "2.00 % in -"),
+            (time(65.0), None, "end in 45 s"),
+            (time(1.0), None, "end in 0 s"),
+        ] {
+            assert_eq!(goal.ahead(&snapshot(error)), words, "{goal:?}");
+        }
+        let unborn = Snapshot { counts: Counts::default(), seconds: 0.0, ..snapshot(None) };
+        assert_eq!(passes.ahead(&unborn), "end in -");
+    }
+
+    #[test]
+    fn an_error_is_looked_at_as_when_a_file_is_rendered() {
+        let goal = Goal { stop: Stop::Error, error: 0.05, ..Goal::default() };
+        assert_eq!(goal.limit(0, None), StopRule::FIRST);
+        assert_eq!(goal.limit(7, error(true).as_ref()), StopRule::FIRST);
+        assert_eq!(goal.limit(100, error(true).as_ref()), 100, "good enough");
+        assert_eq!(goal.limit(100, error(false).as_ref()), 112, "good, but not reliably so");
+        assert!(!goal.time_is_up(1e12));
+    }
+}

@@ -1,0 +1,7 @@
+//! Work beside the window: threads that read, write and watch files, so that the window never waits.
+
+pub(crate) mod background;
+pub(crate) mod browse;
+pub(crate) mod load;
+pub(crate) mod save;
+pub(crate) mod watch;

@@ -1,0 +1,127 @@
+//! How light is sampled, and the mistakes that can be made on purpose.
+
+use crate::viewer::document::Document;
+use crate::viewer::style::labels;
+use crate::viewer::style::theme;
+use crate::viewer::style::widgets::{self, Badge, Weight};
+use burnish::brdf::{Erratum, Model, Normals};
+use burnish::progressive::{Params, Strategy};
+use egui::{Align2, Area, ComboBox, Frame, Id, Margin, Order, Rect, RichText, Ui, vec2};
+
+pub(crate) struct MethodPanel;
+
+impl MethodPanel {
+    pub(crate) fn ui(&mut self, ui: &mut Ui, document: &mut Document) {
+        let params = &mut document.params;
+        let badge = params.erratum.map(|e| Badge { text: e.name().to_owned(), warns: true });
+        widgets::section(ui, "method", "Errata and method", badge, false, |ui| {
+            erratum(ui, params);
+            strategy(ui, params);
+            normals(ui, params);
+        });
+    }
+}
+
+/// The line over the picture's head while a mistake is on.
+pub(crate) fn banner(ui: &Ui, params: &Params, space: Rect) {
+    let Some(erratum) = params.erratum else { return };
+    let acts = erratum.concerns(params.model);
+    let words = if acts {
+        format!("WRONG ON PURPOSE: {}", erratum.title())
+    } else {
+        format!("{}: no effect on {}", erratum.title(), params.model.title())
+    };
+    let fill = if acts { theme::ALARM } else { ui.visuals().panel_fill };
+    let colour = if acts { egui::Color32::WHITE } else { ui.visuals().text_color() };
+    Area::new(Id::unique("erratum"))
+        .order(Order::Middle)
+        .interactable(false)
+        .pivot(Align2::CENTER_TOP)
+        .fixed_pos(space.center_top() + vec2(0.0, theme::GROUP))
+        .show(ui.ctx(), |ui| {
+            let frame = Frame::new().fill(fill).corner_radius(theme::RADIUS);
+            frame.inner_margin(Margin::symmetric(12, 6)).show(ui, |ui| {
+                ui.label(RichText::new(words).strong().color(colour));
+            });
+        });
+}
+
+fn erratum(ui: &mut Ui, params: &mut Params) {
+    let tip = labels::ERRATUM.tip;
+    let chosen = params.erratum;
+    widgets::field(ui, &labels::ERRATUM, |ui, label| {
+        let text = chosen.map_or("None", Erratum::title);
+        let menu = ComboBox::from_id_salt("erratum")
+            .width(ui.available_width())
+            .height(450.0)
+            .selected_text(text)
+            .truncate()
+            .show_ui(ui, |ui| {
+                theme::quiet_choice(ui);
+                let none = ui.selectable_value(&mut params.erratum, None, "None");
+                widgets::beside(&none, "Everything right.");
+                for e in Erratum::ALL {
+                    let entry = ui.selectable_value(&mut params.erratum, Some(e), e.title());
+                    widgets::beside(&entry, &describe(e, params.model));
+                }
+            });
+        menu.response.labelled_by(label).on_hover_text(tip);
+    });
+    if let Some(e) = params.erratum {
+        ui.weak(describe(e, params.model));
+    }
+}
+
+fn describe(e: Erratum, model: Model) -> String {
+    let about = match e.model() {
+        Some(other) if other != model => {
+            format!("\n\nOnly about {}: no effect on {}.", other.title(), model.title())
+        }
+        _ => String::new(),
+    };
+    format!("Wrong: {}.\nRight: {}.\n{}{about}", e.wrong(), e.right(), e.shows())
+}
+
+fn strategy(ui: &mut Ui, params: &mut Params) {
+    widgets::field(ui, &labels::LIGHT, |ui, _| {
+        let chosen = Strategy::ALL.iter().position(|&s| s == params.strategy).unwrap_or(0);
+        let entries = Strategy::ALL.map(|s| (s.title(), found(s).to_owned(), true));
+        if let Some(i) = widgets::segmented(ui, Weight::Quiet, chosen, &entries) {
+            params.strategy = Strategy::ALL[i];
+        }
+    });
+}
+
+/// How a strategy finds light.
+pub(crate) fn found(strategy: Strategy) -> &'static str {
+    match strategy {
+        Strategy::Mis => "By asking and by chance, weighed against each other.",
+        Strategy::LightOnly => "Only by asking lights: noisy where surfaces are smooth.",
+        Strategy::BsdfOnly => {
+            "Only by chance, with directions drawn from the BRDF: noisy where lights are small."
+        }
+    }
+}
+
+fn normals(ui: &mut Ui, params: &mut Params) {
+    let phong = params.model == Model::Phong;
+    widgets::field(ui, &labels::NORMALS, |ui, _| {
+        let chosen = Normals::ALL.iter().position(|&n| n == params.normals).unwrap_or(0);
+        let chosen = if phong { Normals::ALL.len() } else { chosen };
+        let entries = Normals::ALL.map(|n| (n.title(), drawn(n, phong).to_owned(), !phong));
+        if let Some(i) = widgets::segmented(ui, Weight::Quiet, chosen, &entries) {
+            params.normals = Normals::ALL[i];
+        }
+    });
+}
+
+/// Which normals are drawn, with Phong or another model.
+pub(crate) fn drawn(normals: Normals, phong: bool) -> &'static str {
+    match normals {
+        _ if phong => "Phong knows no visible normals: it draws from all.",
+        Normals::Visible => "Those that the viewer sees, by how much of them is seen.",
+        Normals::Distribution => {
+            "All, as the distribution has them: the older way, slower and noisier at grazing."
+        }
+    }
+}

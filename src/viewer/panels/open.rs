@@ -1,0 +1,134 @@
+//! Ways to another scene: the line in which a path is typed, and the menu of shipped and recent ones.
+
+use crate::viewer::document::recent::Recent;
+use crate::viewer::jobs::load::Source;
+use crate::viewer::keys::{self, Action};
+use crate::viewer::style::labels;
+use crate::viewer::style::theme;
+use crate::viewer::style::widgets;
+use burnish::scene::builtin::EXAMPLES;
+use egui::text::CCursorRange;
+use egui::{Button, Id, Key, Popup, TextEdit, Ui};
+use std::path::PathBuf;
+
+#[derive(Default)]
+pub(crate) struct Open {
+    shown: bool,
+    path: String,
+    focus: bool,
+}
+
+impl Open {
+    /// Shows the line, ready to be typed into; hides it again when it is there.
+    pub(crate) fn toggle(&mut self) {
+        self.shown = !self.shown;
+        self.focus = self.shown;
+    }
+
+    /// Shows the line.
+    pub(crate) fn show(&mut self) {
+        (self.shown, self.focus) = (true, true);
+    }
+
+    pub(crate) fn is_shown(&self) -> bool {
+        self.shown
+    }
+
+    /// Returns what is to be opened once that is clear.
+    pub(crate) fn ui(&mut self, ui: &mut Ui, asked: &mut Vec<Action>) -> Option<Source> {
+        let mut chosen = false;
+        ui.horizontal_centered(|ui| {
+            let label = ui.label(labels::PATH.name).on_hover_text(labels::PATH.tip);
+            let browse = keys::binding(Action::Browse).name;
+            let [open, cancel] = [labels::OPEN_PATH, labels::CANCEL];
+            let buttons = [browse, open.name, cancel.name];
+            let padding = theme::GAP + 2.0 * ui.spacing().button_padding.x;
+            let width: f32 = buttons.iter().map(|b| widgets::text_width(ui, b) + padding).sum();
+            let width = ui.available_width() - width.ceil();
+            let field = TextEdit::singleline(&mut self.path)
+                .hint_text("path of a .scn, .obj or .ply file, or a shipped scene's name")
+                .desired_width(width.max(80.0));
+            let field = ui.add(field).labelled_by(label.id).on_hover_text(labels::PATH.tip);
+            if std::mem::take(&mut self.focus) {
+                field.request_focus();
+                select_all(ui, field.id, &self.path);
+            }
+            let entered = field.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
+            let escaped = ui.input(|i| i.key_pressed(Key::Escape));
+            let tip = keys::tooltip(ui.ctx(), Action::Browse);
+            if ui.button(browse).on_hover_text(tip).clicked() {
+                self.shown = false;
+                asked.push(Action::Browse);
+            }
+            chosen = ui.button(open.name).on_hover_text(open.tip).clicked() || entered;
+            if ui.button(cancel.name).on_hover_text(cancel.tip).clicked() || escaped {
+                self.shown = false;
+            }
+        });
+        let path = self.path.trim();
+        if !chosen || path.is_empty() {
+            return None;
+        }
+        self.shown = false;
+        Some(Source::named(unquoted(path)))
+    }
+}
+
+/// The path that is meant: file managers copy paths in quotes.
+fn unquoted(text: &str) -> PathBuf {
+    let bare = ['"', '\''].iter().find_map(|q| text.strip_prefix(*q)?.strip_suffix(*q));
+    PathBuf::from(bare.filter(|_| !PathBuf::from(text).exists()).unwrap_or(text))
+}
+
+/// The buttons that open, reload and save, and the menu of scenes. Returns the one chosen there.
+pub(crate) fn files(ui: &mut Ui, recent: &Recent, asked: &mut Vec<Action>) -> Option<Source> {
+    let mut chosen = None;
+    let width = (ui.available_width() - 2.0 * theme::GAP) / 3.0;
+    ui.horizontal(|ui| {
+        let size = egui::vec2(width, theme::ROW);
+        for action in [Action::Open, Action::SaveScene] {
+            let button = Button::new(keys::binding(action).name).min_size(size);
+            let tip = keys::tooltip(ui.ctx(), action);
+            if ui.add_sized(size, button).on_hover_text(tip).clicked() {
+                asked.push(action);
+            }
+        }
+        let menu = ui.add_sized(size, Button::new(labels::SCENES.name).min_size(size));
+        widgets::menu_arrow(ui, &menu);
+        let menu = menu.on_hover_text(labels::SCENES.tip);
+        Popup::menu(&menu).show(|ui| chosen = scenes(ui, recent));
+    });
+    chosen
+}
+
+/// The menu's entries: shipped scenes, then recent ones.
+fn scenes(ui: &mut Ui, recent: &Recent) -> Option<Source> {
+    let mut chosen = None;
+    ui.spacing_mut().item_spacing.y = 0.0;
+    for example in &EXAMPLES {
+        let entry = ui.button(example.title);
+        widgets::beside(&entry, example.shows);
+        if entry.clicked() {
+            chosen = Some(Source::Example(example));
+        }
+    }
+    if !recent.paths().is_empty() {
+        ui.separator();
+    }
+    for path in recent.paths() {
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        let entry = ui.button(name);
+        widgets::beside(&entry, &path.display().to_string());
+        if entry.clicked() {
+            chosen = Some(Source::File(path.clone()));
+        }
+    }
+    chosen
+}
+
+/// So that typing replaces the path before.
+fn select_all(ui: &Ui, id: Id, text: &str) {
+    let mut state = TextEdit::load_state(ui.ctx(), id).unwrap_or_default();
+    state.cursor.set_char_range(Some(CCursorRange::select_all_str(text)));
+    state.store(ui.ctx(), id);
+}

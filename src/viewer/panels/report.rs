@@ -1,0 +1,79 @@
+//! What the scene's reader had to tell: warnings with their lines, and facts.
+
+use crate::viewer::document::Document;
+use crate::viewer::keys::{self, Action};
+use crate::viewer::panels::energy::Energy;
+use crate::viewer::style::labels;
+use crate::viewer::style::theme;
+use crate::viewer::style::widgets;
+use burnish::scene::Warning;
+use egui::{Label, RichText, Ui};
+
+pub(crate) struct ReportPanel;
+
+impl ReportPanel {
+    /// Draws the section; `watch` is whether changed files are read again.
+    pub(crate) fn ui(
+        &mut self,
+        ui: &mut Ui,
+        document: &Document,
+        energy: &mut Energy,
+        watch: &mut bool,
+    ) -> Option<Action> {
+        let warnings = &document.report.warnings;
+        let badge = (!warnings.is_empty()).then(|| {
+            let plural = if warnings.len() == 1 { "" } else { "s" };
+            widgets::Badge { text: format!("{} warning{plural}", warnings.len()), warns: true }
+        });
+        // The number keeps each scene's section apart: a new scene's warnings are seen once.
+        let id = ("scene", document.number);
+        let asked = widgets::section(ui, id, "Scene", badge, !warnings.is_empty(), |ui| {
+            ui.spacing_mut().item_spacing.y = 4.0;
+            // First: what the model does to energy is told below it a moment later.
+            let asked = ui
+                .horizontal(|ui| {
+                    let reload = keys::binding(Action::Reload).name;
+                    let tip = keys::tooltip(ui.ctx(), Action::Reload);
+                    let pressed = ui.button(reload).on_hover_text(tip).clicked();
+                    ui.checkbox(watch, labels::WATCH.name).on_hover_text(labels::WATCH.tip);
+                    pressed.then_some(Action::Reload)
+                })
+                .inner;
+            for warning in warnings {
+                one(ui, warning);
+            }
+            for note in &document.report.notes {
+                ui.add(Label::new(RichText::new(note).weak()).wrap());
+            }
+            energy.of_scene(ui, document);
+            let counts = document.params.scene.counts();
+            let shapes = [
+                (counts.triangles, "triangle"),
+                (counts.spheres, "sphere"),
+                (counts.cylinders, "cylinder"),
+            ];
+            let shapes: Vec<String> = shapes
+                .iter()
+                .filter(|(n, _)| *n > 0)
+                .map(|(n, what)| format!("{n} {what}{}", if *n == 1 { "" } else { "s" }))
+                .collect();
+            ui.weak(shapes.join(", "));
+            asked
+        });
+        asked.flatten()
+    }
+}
+
+fn one(ui: &mut Ui, warning: &Warning) {
+    let place = &warning.place;
+    let file = place.file.file_name().map_or_else(
+        || place.file.display().to_string(),
+        |name| name.to_string_lossy().into_owned(),
+    );
+    let line = place.line.map(|l| format!(":{l}")).unwrap_or_default();
+    let place = RichText::new(format!("{file}{line}")).monospace();
+    let place = place.color(theme::accent_of(ui.visuals()));
+    ui.add(Label::new(place).selectable(true)).on_hover_text(warning.place.to_string());
+    ui.add(Label::new(warning.text.as_str()).wrap().selectable(true));
+    ui.add_space(4.0);
+}

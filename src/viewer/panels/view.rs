@@ -1,0 +1,90 @@
+//! How the picture is shown: exposure, tone curve, camera, light or dark.
+
+use crate::viewer::document::Document;
+use crate::viewer::keys::{self, Action};
+use crate::viewer::style::labels;
+use crate::viewer::style::widgets::{self, Weight};
+use burnish::picture::Curve;
+use egui::{Slider, ThemePreference, Ui};
+
+pub(crate) struct View;
+
+impl View {
+    /// Exposures that the slider reaches, in stops.
+    pub(crate) const STOPS: [f32; 2] = [-10.0, 10.0];
+
+    pub(crate) fn ui(&mut self, ui: &mut Ui, document: &mut Document) -> Option<Action> {
+        let asked = widgets::section(ui, "view", "View", None, true, |ui| {
+            exposure(ui, document);
+            curve(ui, document);
+            let asked = camera(ui);
+            appearance(ui);
+            asked
+        });
+        asked.flatten()
+    }
+
+    /// Changes the exposure by so many stops.
+    pub(crate) fn expose(document: &mut Document, stops: f32) {
+        let [low, high] = Self::STOPS;
+        document.tone.exposure = (document.tone.exposure + stops).clamp(low, high);
+    }
+}
+
+fn exposure(ui: &mut Ui, document: &mut Document) {
+    let [low, high] = View::STOPS;
+    widgets::field(ui, &labels::EXPOSURE, |ui, label| {
+        ui.spacing_mut().slider_width = ui.available_width() - 80.0;
+        ui.spacing_mut().interact_size.x = 72.0;
+        let slider = Slider::new(&mut document.tone.exposure, low..=high)
+            .fixed_decimals(1)
+            .trailing_fill(false)
+            .suffix(" stops");
+        if ui.add(slider).labelled_by(label).double_clicked() {
+            document.tone.exposure = 0.0;
+        }
+    });
+}
+
+fn curve(ui: &mut Ui, document: &mut Document) {
+    widgets::field(ui, &labels::CURVE, |ui, _| {
+        let chosen = Curve::ALL.iter().position(|&c| c == document.tone.curve).unwrap_or(0);
+        let entries = Curve::ALL.map(|c| (c.title(), describe(c).to_owned(), true));
+        if let Some(i) = widgets::segmented(ui, Weight::Quiet, chosen, &entries) {
+            document.tone.curve = Curve::ALL[i];
+        }
+    });
+}
+
+/// What a curve does.
+pub(crate) fn describe(curve: Curve) -> &'static str {
+    match curve {
+        Curve::Srgb => "min(x, 1): what is too bright is clipped.",
+        Curve::Reinhard => "x / (1 + x), each channel: never clips, lowers contrast.",
+        Curve::Filmic => "A film-like curve with a toe and a shoulder.",
+    }
+}
+
+fn camera(ui: &mut Ui) -> Option<Action> {
+    const ACTIONS: [Action; 3] = [Action::Home, Action::Frame, Action::CopyCamera];
+    let tips = ACTIONS.map(|a| (keys::binding(a).name, keys::tooltip(ui.ctx(), a), true));
+    widgets::field(ui, &labels::CAMERA, |ui, _| widgets::button_row(ui, &tips).map(|i| ACTIONS[i]))
+}
+
+/// The colours of the window, with their names and what they do.
+pub(crate) const THEMES: [(ThemePreference, &str, &str); 3] = [
+    (ThemePreference::System, "System", "Light or dark as the system is."),
+    (ThemePreference::Dark, "Dark", "Light text on dark grey."),
+    (ThemePreference::Light, "Light", "Dark text on light grey."),
+];
+
+fn appearance(ui: &mut Ui) {
+    let present = ui.ctx().options(|o| o.theme_preference);
+    let chosen = THEMES.iter().position(|t| t.0 == present).unwrap_or(0);
+    let entries = THEMES.map(|(_, words, tip)| (words, tip.to_owned(), true));
+    widgets::field(ui, &labels::WINDOW, |ui, _| {
+        if let Some(i) = widgets::segmented(ui, Weight::Quiet, chosen, &entries) {
+            ui.ctx().set_theme(THEMES[i].0);
+        }
+    });
+}

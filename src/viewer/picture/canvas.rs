@@ -1,0 +1,295 @@
+//! The picture itself: drawn into its space, and the pointer's and arrow keys' way to the camera.
+
+use crate::viewer::document::Document;
+use crate::viewer::picture::orbit;
+use crate::viewer::picture::texture::PictureTexture;
+use crate::viewer::style::theme;
+use crate::viewer::style::widgets;
+use burnish::progressive::Snapshot;
+use burnish::scene::Camera;
+use egui::{
+    CursorIcon, EventFilter, Id, Key, Modifiers, PointerButton, Pos2, Rect, Response, Role, Sense,
+    TextureOptions, Ui, Vec2, WidgetInfo, vec2,
+};
+
+/// Orbit angle for a drag across the whole picture, in radians.
+const TURN: f64 = std::f64::consts::PI;
+/// Orbit angle of one press of an arrow key.
+const STEP: f64 = std::f64::consts::PI / 36.0;
+/// Shift of one press of an arrow key, in heights of the picture.
+const SHIFT: f64 = 0.05;
+
+/// How large the picture is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Zoom {
+    /// As large as the space allows.
+    Fit,
+    /// So many pixels of the screen for one of the picture.
+    Times(f32),
+}
+
+/// A pixel under the pointer: its place, its radiance, the standard error of that once it is
+/// known, and of how many passes; 0 for the coarse preview.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Hover {
+    pub(crate) pixel: [u32; 2],
+    pub(crate) mean: [f32; 3],
+    pub(crate) standard_error: Option<[f32; 3]>,
+    pub(crate) passes: u64,
+}
+
+pub(crate) struct Canvas {
+    texture: Option<PictureTexture>,
+    /// A picture of another size, until there is something of it to be seen.
+    next: Option<PictureTexture>,
+    zoom: Zoom,
+    /// Where the middle of the picture lies, from the middle of the space, in points.
+    offset: Vec2,
+    /// The pixel under the pointer, for the status line.
+    pub(crate) hover: Option<Hover>,
+    id: Option<Id>,
+    /// Pixels of the screen that a picture has room for.
+    pub(crate) room: [u32; 2],
+}
+
+impl Canvas {
+    pub(crate) fn new() -> Canvas {
+        Canvas {
+            texture: None,
+            next: None,
+            zoom: Zoom::Fit,
+            offset: Vec2::ZERO,
+            hover: None,
+            id: None,
+            room: [640, 480],
+        }
+    }
+
+    /// Whether all that has come is shown.
+    #[cfg(test)]
+    pub(crate) fn is_settled(&self) -> bool {
+        self.next.is_none() && self.texture.as_ref().is_none_or(|t| !t.is_busy())
+    }
+
+    /// Whether anything has been shown yet.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.texture.is_none()
+    }
+
+    /// Whether the arrow keys go to the picture.
+    pub(crate) fn has_focus(&self, ctx: &egui::Context) -> bool {
+        self.id.is_some_and(|id| ctx.memory(|m| m.has_focus(id)))
+    }
+
+    /// Fits the picture to its space, or shows its pixels one to one.
+    pub(crate) fn toggle_zoom(&mut self) {
+        self.zoom = if self.zoom == Zoom::Fit { Zoom::Times(1.0) } else { Zoom::Fit };
+        self.offset = Vec2::ZERO;
+    }
+
+    /// Takes over the new tiles of a snapshot.
+    pub(crate) fn show(&mut self, snapshot: &Snapshot, document: &Document) {
+        if snapshot.tiles.iter().all(Option::is_none) {
+            return;
+        }
+        let fits = |t: &&mut PictureTexture| t.size() == snapshot.grid.size;
+        let texture = match self.texture.as_mut().filter(fits) {
+            Some(texture) => {
+                self.next = None;
+                texture
+            }
+            None => {
+                let next = self.next.take().filter(|t| t.size() == snapshot.grid.size);
+                let fresh = || PictureTexture::new(snapshot.grid, document.tone);
+                self.next.insert(next.unwrap_or_else(fresh))
+            }
+        };
+        texture.show(snapshot);
+    }
+
+    /// Brings what is on the card up to date.
+    fn refresh(&mut self, ctx: &egui::Context, document: &Document, times: f32) {
+        let (tone, options) = (document.tone, filter(times));
+        for texture in [&mut self.texture, &mut self.next].into_iter().flatten() {
+            texture.restyle(tone, options);
+            texture.refresh(ctx);
+        }
+        if self.next.as_ref().is_some_and(PictureTexture::is_ready) {
+            self.texture = self.next.take();
+        }
+    }
+
+    /// Draws the picture and lets the pointer and the arrow keys move the camera, pick and zoom.
+    pub(crate) fn ui(&mut self, ui: &mut Ui, document: Option<&mut Document>) -> Response {
+        let space = ui.available_rect_before_wrap();
+        let response = ui.allocate_rect(space, Sense::click_and_drag());
+        self.id = Some(response.id);
+        self.hover = None;
+        let pixels_per_point = ui.pixels_per_point();
+        let room = (space.size() - Vec2::splat(2.0 * theme::GROUP)).max(Vec2::splat(1.0));
+        self.room = [room.x, room.y].map(|side| (side * pixels_per_point) as u32);
+        if let Some(document) = &document {
+            self.refresh(ui.ctx(), document, self.times(room * pixels_per_point));
+        }
+        let times = self.times(room * pixels_per_point);
+        if let (Some(texture), Some(document)) = (&self.texture, document) {
+            let size = vec2(texture.size()[0] as f32, texture.size()[1] as f32);
+            let centre = space.center() + self.offset;
+            let place = Rect::from_center_size(centre, size * times / pixels_per_point);
+            // On whole pixels of the screen, or every texel would be a little blurred.
+            let place = place
+                .translate((place.min * pixels_per_point).round() / pixels_per_point - place.min);
+            texture.paint(&ui.painter_at(space), place);
+            self.pointer(ui, &response, document, place, times);
+            keyboard(ui, &response, document);
+            if response.has_focus() {
+                widgets::focus_frame(ui, place.intersect(space));
+            }
+        }
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, ui.is_enabled(), "Picture"));
+        response
+    }
+
+    /// Pixels of the screen for one of the picture, where it has room for so many.
+    fn times(&self, room: Vec2) -> f32 {
+        match (self.zoom, &self.texture) {
+            (Zoom::Times(times), _) => times,
+            (Zoom::Fit, Some(texture)) => {
+                (room / vec2(texture.size()[0] as f32, texture.size()[1] as f32)).min_elem()
+            }
+            (Zoom::Fit, None) => 1.0,
+        }
+    }
+
+    fn pointer(
+        &mut self,
+        ui: &Ui,
+        response: &Response,
+        document: &mut Document,
+        place: Rect,
+        times: f32,
+    ) {
+        let [shift, wheel, zoom] = ui.input(|i| {
+            [f32::from(u8::from(i.modifiers.shift)), i.smooth_scroll_delta().y, i.zoom_delta()]
+        });
+        let delta = response.drag_delta();
+        let drag = |button| response.dragged_by(button) && delta != Vec2::ZERO;
+        let subject = document.subject();
+        let camera = &mut document.params.camera;
+        if drag(PointerButton::Middle) || (drag(PointerButton::Primary) && shift > 0.0) {
+            let by = delta / place.height().max(1.0);
+            *camera = orbit::pan(camera, subject, -f64::from(by.x), f64::from(by.y));
+        } else if drag(PointerButton::Primary) {
+            let turn = delta / place.size().max_elem().max(1.0);
+            *camera =
+                orbit::orbit(camera, subject, -TURN * f64::from(turn.x), -TURN * f64::from(turn.y));
+        } else if drag(PointerButton::Secondary) {
+            self.offset += delta;
+        }
+        let Some(at) = response.hover_pos() else { return };
+        if zoom != 1.0 {
+            let next = (times * zoom).clamp(0.05, 64.0);
+            let middle = response.rect.center() + self.offset;
+            self.offset += (at - middle) * (1.0 - next / times);
+            self.zoom = Zoom::Times(next);
+        } else if wheel != 0.0 {
+            let factor = (-f64::from(wheel) / 400.0).exp();
+            *camera = orbit::dolly(camera, subject, factor);
+        }
+        let Some((pixel, exact)) = self.pixel_at(at, place) else { return };
+        self.hover = self.texture.as_ref().and_then(|t| t.pixel(pixel)).map(|(tile, i)| Hover {
+            pixel,
+            mean: tile.mean[i],
+            standard_error: tile.standard_error.get(i).copied(),
+            passes: tile.passes,
+        });
+        if response.clicked_by(PointerButton::Primary) {
+            let params = &document.params;
+            let hit = params.scene.pick(&params.camera, params.size, exact);
+            document.pick(hit);
+        }
+        ui.set_cursor_icon(match (response.dragged(), shift > 0.0) {
+            (true, true) => CursorIcon::Move,
+            (true, false) => CursorIcon::Grabbing,
+            _ => CursorIcon::Crosshair,
+        });
+    }
+
+    /// The pixel of the picture at a point of the screen, and where in it.
+    fn pixel_at(&self, at: Pos2, place: Rect) -> Option<([u32; 2], [f32; 2])> {
+        let size = self.texture.as_ref()?.size();
+        let t = (at - place.min) / place.size();
+        if !(0.0..1.0).contains(&t.x) || !(0.0..1.0).contains(&t.y) {
+            return None;
+        }
+        let exact = [t.x * size[0] as f32, t.y * size[1] as f32];
+        let pixel = [0, 1].map(|i| (exact[i] as u32).min(size[i].saturating_sub(1)));
+        Some((pixel, exact))
+    }
+}
+
+/// Pixels stay square and sharp once each covers several of the screen's. Between one and two,
+/// "nearest" would draw some rows twice as wide as their neighbours.
+fn filter(times: f32) -> TextureOptions {
+    let whole = (times - times.round()).abs() < 1e-3;
+    if times >= 2.0 || (times >= 1.0 && whole) {
+        TextureOptions { minification: egui::TextureFilter::Linear, ..TextureOptions::NEAREST }
+    } else {
+        TextureOptions::LINEAR
+    }
+}
+
+/// The arrow and page keys, while the picture has the focus.
+fn keyboard(ui: &Ui, response: &Response, document: &mut Document) {
+    if !response.has_focus() {
+        return;
+    }
+    // Else the arrows would take the focus to the next widget.
+    let filter =
+        EventFilter { horizontal_arrows: true, vertical_arrows: true, ..Default::default() };
+    ui.memory_mut(|m| m.set_focus_lock_filter(response.id, filter));
+    let subject = document.subject();
+    let moves: [(Key, [f64; 2]); 4] = [
+        (Key::ArrowLeft, [-1.0, 0.0]),
+        (Key::ArrowRight, [1.0, 0.0]),
+        (Key::ArrowUp, [0.0, 1.0]),
+        (Key::ArrowDown, [0.0, -1.0]),
+    ];
+    let mut camera: Camera = document.params.camera;
+    ui.input_mut(|input| {
+        for (key, [x, y]) in moves {
+            for _ in 0..input.count_and_consume_key(Modifiers::SHIFT, key) {
+                camera = orbit::pan(&camera, subject, SHIFT * x, SHIFT * y);
+            }
+            for _ in 0..input.count_and_consume_key(Modifiers::NONE, key) {
+                camera = orbit::orbit(&camera, subject, STEP * x, -STEP * y);
+            }
+        }
+        for (key, factor) in [(Key::PageUp, 1.0 / 1.1), (Key::PageDown, 1.1)] {
+            for _ in 0..input.count_and_consume_key(Modifiers::NONE, key) {
+                camera = orbit::dolly(&camera, subject, factor);
+            }
+        }
+    });
+    document.params.camera = camera;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn magnified_pixels_are_crisp_and_reduced_ones_smooth() {
+        use egui::TextureFilter::{Linear, Nearest};
+        for (times, magnified) in
+            [(0.3, Linear), (1.0, Nearest), (1.4, Linear), (2.0, Nearest), (7.3, Nearest)]
+        {
+            let options = filter(times);
+            assert_eq!(
+                (options.magnification, options.minification),
+                (magnified, Linear),
+                "{times}"
+            );
+        }
+    }
+}

@@ -1,0 +1,6 @@
+//! The picture on the screen: its textures, the pointer over it, the camera that the pointer moves.
+
+pub(crate) mod canvas;
+pub(crate) mod orbit;
+pub(crate) mod readout;
+pub(crate) mod texture;

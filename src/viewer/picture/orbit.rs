@@ -1,0 +1,167 @@
+//! Moves of the camera: around a pivot, along the picture, towards it.
+
+use burnish::scene::Camera;
+use glam::{DQuat, DVec3};
+
+/// The scene as the camera moves see it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Subject {
+    pub(crate) centre: DVec3,
+    /// Half the diagonal of the bounding box; above 0.
+    pub(crate) radius: f64,
+}
+
+impl Subject {
+    /// From the lowest and highest corner of the scene.
+    pub(crate) fn new([low, high]: [DVec3; 2]) -> Subject {
+        let radius = ((high - low).length() * 0.5).max(f64::MIN_POSITIVE.sqrt());
+        Subject { centre: (low + high) * 0.5, radius }
+    }
+
+    /// The point that the camera turns about: straight ahead, as far away as the scene's centre.
+    fn pivot(&self, camera: &Camera) -> DVec3 {
+        camera.eye - back(camera) * self.distance(camera)
+    }
+
+    fn distance(&self, camera: &Camera) -> f64 {
+        (camera.eye - self.centre).dot(back(camera)).max(0.05 * self.radius)
+    }
+}
+
+/// Turns about the pivot: `yaw` about the world's Z, `pitch` about the camera's X, in radians.
+/// Stops just before looking straight up or down, where the yaw would be undefined.
+pub(crate) fn orbit(camera: &Camera, subject: Subject, yaw: f64, pitch: f64) -> Camera {
+    const POLE: f64 = 0.02;
+    let pivot = subject.pivot(camera);
+    let polar = back(camera).z.clamp(-1.0, 1.0).acos();
+    // A camera that already is beyond the stop may stay there, but not go on.
+    let (low, high) = (POLE.min(polar), (std::f64::consts::PI - POLE).max(polar));
+    // About X, a positive angle takes "back" away from Z when the camera stands upright.
+    let upright = if camera.axes()[1].z < 0.0 { -1.0 } else { 1.0 };
+    let pitch = upright * ((polar + upright * pitch).clamp(low, high) - polar);
+    let [right, ..] = camera.axes();
+    let turn = DQuat::from_rotation_z(yaw) * DQuat::from_axis_angle(right, pitch);
+    placed(camera, pivot + turn * (camera.eye - pivot), turn * camera.orientation)
+}
+
+/// Moves along the picture: by `right` and `up` of the picture's height at the pivot.
+pub(crate) fn pan(camera: &Camera, subject: Subject, right: f64, up: f64) -> Camera {
+    let height = 2.0 * camera.ry * subject.distance(camera);
+    let [x, y, _] = camera.axes();
+    placed(camera, camera.eye + (x * right + y * up) * height, camera.orientation)
+}
+
+/// Multiplies the distance to the pivot by `factor`.
+pub(crate) fn dolly(camera: &Camera, subject: Subject, factor: f64) -> Camera {
+    let ahead = subject.distance(camera) * (1.0 - factor);
+    placed(camera, camera.eye - back(camera) * ahead, camera.orientation)
+}
+
+/// Looks in the same direction, from where the whole scene is seen with a small margin.
+pub(crate) fn framed(camera: &Camera, subject: Subject, aspect: f64) -> Camera {
+    // The bounding sphere touches the nearer pair of the pyramid's sides.
+    let narrow = camera.ry * aspect.min(1.0);
+    let distance = 1.02 * subject.radius * (1.0 + narrow * narrow).sqrt() / narrow;
+    placed(camera, subject.centre + back(camera) * distance, camera.orientation)
+}
+
+fn back(camera: &Camera) -> DVec3 {
+    camera.axes()[2]
+}
+
+/// The camera there, or the old one where that is out of reach.
+fn placed(camera: &Camera, eye: DVec3, orientation: DQuat) -> Camera {
+    Camera::new(eye, camera.ry, orientation).unwrap_or(*camera)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SUBJECT: Subject = Subject { centre: DVec3::new(1.0, 2.0, 3.0), radius: 2.0 };
+
+    fn camera() -> Camera {
+        Camera::look_at(DVec3::new(7.0, -4.0, 6.0), SUBJECT.centre, 0.4).unwrap()
+    }
+
+    #[test]
+    fn an_orbit_keeps_the_distance_the_horizon_and_the_pivot() {
+        let before = camera();
+        let after = orbit(&before, SUBJECT, 0.7, -0.2);
+        let distance = |c: &Camera| (c.eye - SUBJECT.centre).length();
+        assert!((distance(&before) - distance(&after)).abs() < 1e-12);
+        assert!(after.axes()[0].z.abs() < 1e-12, "the horizon tilts");
+        assert!((SUBJECT.pivot(&before) - SUBJECT.pivot(&after)).length() < 1e-12);
+        assert!((before.eye - after.eye).length() > 1.0);
+    }
+
+    #[test]
+    fn an_orbit_back_is_the_same_camera() {
+        let there = orbit(&camera(), SUBJECT, 0.3, 0.1);
+        let back = orbit(&there, SUBJECT, -0.3, -0.1);
+        assert!((camera().eye - back.eye).length() < 1e-12);
+    }
+
+    #[test]
+    fn the_poles_are_never_crossed() {
+        for pitch in [10.0, -10.0] {
+            let mut c = camera();
+            for _ in 0..5 {
+                c = orbit(&c, SUBJECT, 0.0, pitch);
+                assert!(c.axes()[1].z > 0.0, "upside down after {pitch}");
+                assert!(c.axes()[0].z.abs() < 1e-9, "tilted after {pitch}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_positive_pitch_lowers_the_eye() {
+        assert!(orbit(&camera(), SUBJECT, 0.0, 0.1).eye.z < camera().eye.z);
+    }
+
+    #[test]
+    fn a_pan_by_the_height_moves_the_picture_by_its_height() {
+        let before = camera();
+        let after = pan(&before, SUBJECT, 0.0, 1.0);
+        // The pivot was in the middle; now it lies on the lower edge, where sy = -1 ... and one
+        // more half height: the tangent there is twice ry.
+        let to = SUBJECT.pivot(&before) - after.eye;
+        let [_, y, z] = after.axes();
+        assert!((to.dot(y) / to.dot(z) - 2.0 * before.ry).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_dolly_keeps_the_direction_and_never_arrives() {
+        let mut c = camera();
+        for _ in 0..200 {
+            c = dolly(&c, SUBJECT, 0.5);
+        }
+        assert!((c.orientation.dot(camera().orientation).abs() - 1.0).abs() < 1e-12);
+        assert!(c.eye.is_finite());
+    }
+
+    #[test]
+    fn framing_sees_the_whole_box_at_every_aspect() {
+        for aspect in [0.3, 1.0, 3.0] {
+            let c = framed(&camera(), SUBJECT, aspect);
+            let [x, y, z] = c.axes();
+            let to = SUBJECT.centre - c.eye;
+            let ahead = -to.dot(z);
+            let half =
+                (ahead * c.ry * aspect.min(1.0)) / (1.0 + (c.ry * aspect.min(1.0)).powi(2)).sqrt();
+            assert!((1.0..1.1).contains(&(half / SUBJECT.radius)), "{aspect}: {half}");
+            assert!(to.dot(x).abs() < 1e-9 && to.dot(y).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_point_like_scene_keeps_everything_finite() {
+        let subject = Subject::new([DVec3::ZERO, DVec3::ZERO]);
+        let c = framed(&camera(), subject, 1.0);
+        for c in
+            [c, dolly(&c, subject, 0.0), pan(&c, subject, 9.0, 9.0), orbit(&c, subject, 9.0, 9.0)]
+        {
+            assert!(c.eye.is_finite() && c.orientation.is_finite());
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! The one table of what can be set in the window: the name that each control bears, for screen
+//! readers too, and what it does. Tooltips and the README's list are made from it; what has a key
+//! as well is in the table of [`keys`](crate::viewer::keys).
+
+/// A control.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Control {
+    pub(crate) name: &'static str,
+    /// What it does, with formula, unit and range where that applies.
+    pub(crate) tip: &'static str,
+}
+
+const fn control(name: &'static str, tip: &'static str) -> Control {
+    Control { name, tip }
+}
+
+pub(crate) const ROUGHNESS: Control = control(
+    "Roughness",
+    "alpha, the width of the distribution of microfacet slopes, and the Phong exponent a_p are two \
+     names of one number:\nalpha = sqrt(2 / (a_p + 2))\nKeys: [ and ]",
+);
+pub(crate) const AS_IN_FILE: Control =
+    control("as in file", "Puts the roughness back to the scene file's.");
+pub(crate) const ALPHA: Control =
+    control("alpha", "Roughness alpha, no unit, 0.0001 (mirror-like) to 1 (dull). Drag or type.");
+pub(crate) const A_P: Control =
+    control("a_p", "Phong exponent a_p, no unit, 0 (dull) to 2e8 - 2 (mirror-like). Drag or type.");
+pub(crate) const APPLIES_TO: Control =
+    control("Applies to", "Which materials the slider and the two fields change.");
+pub(crate) const ALL: Control = control("All", "Every material that has a specular lobe.");
+pub(crate) const PICKED: Control =
+    control("Picked one", "Click a surface in the picture to pick its material.");
+pub(crate) const STOP_AT: Control = control(
+    "Stop at",
+    "What ends the tracing. Another goal, or a farther one, goes on where it stopped.",
+);
+pub(crate) const PASS_LIMIT: Control = control(
+    "Pass limit",
+    "Tracing stops after this many passes; each adds one sample to every pixel, after 16 of \
+     them on the mean. 1 to 4294967296. A higher limit goes on where it stopped.",
+);
+pub(crate) const ERROR_LIMIT: Control = control(
+    "Error limit",
+    "Tracing stops once the upper 95 % limit of the relative error is at most this, 0.0001 to \
+     100 %: sqrt(mean((x - r)\u{b2} / (r\u{b2} + 0.01))), r being the truth. Looked at from 64 \
+     passes on.",
+);
+pub(crate) const TIME_LIMIT: Control = control(
+    "Time limit",
+    "Tracing stops after this many seconds of tracing, 0.1 to 1e9 s. Pauses are not counted.",
+);
+
+pub(crate) const SCENES: Control =
+    control("Scenes", "Scenes that come with burnish, and below them those opened last.");
+pub(crate) const PATH: Control = control(
+    "Open scene",
+    "Path of a .scn, .obj or .ply file, or the name of a scene that comes with burnish, such as \
+     gallery. Enter opens it, Escape leaves.",
+);
+pub(crate) const OPEN_PATH: Control = control("Open path", "Opens the path that was typed.");
+pub(crate) const CANCEL: Control = control("Cancel", "Leaves the scene that is open.");
+
+pub(crate) const KD: Control = control(
+    "Kd",
+    "Diffuse reflectance, linear Rec. 709, each channel 0 to 1, no unit: f = Kd / pi. What reflects \
+     more than arrives is told under \"Scene\".",
+);
+pub(crate) const KS: Control = control(
+    "Ks",
+    "Specular reflectance at normal incidence, linear Rec. 709, each channel 0 to 1, no unit: \
+     F = Ks + (1 - Ks) (1 - cos)^5. With 0 0 0 there is no specular lobe at all.",
+);
+pub(crate) const EMISSION: Control = control(
+    "Emits",
+    "Radiance that leaves every point in every direction, linear Rec. 709, 0 to 1e18 \
+     W/(m\u{b2} sr).",
+);
+pub(crate) const EXPONENT: Control = control(
+    "Exponent",
+    "Phong exponent a_p of this material, no unit, 0 (dull) to 2e8 - 2 (mirror-like); \
+     alpha = sqrt(2 / (a_p + 2)). Drag or type.",
+);
+/// Colours are three fields: "Kd red".
+pub(crate) const CHANNELS: [&str; 3] = ["red", "green", "blue"];
+
+pub(crate) const EXPOSURE: Control = control(
+    "Exposure",
+    "Shown is radiance times 2^stops. Keys: E and Shift-E. Double-click for 0.",
+);
+pub(crate) const CURVE: Control = control(
+    "Curve",
+    "How radiance beyond the screen's white is shown. Of the display and PNG only.",
+);
+pub(crate) const CAMERA: Control = control("Camera", "Where the scene is seen from.");
+pub(crate) const WINDOW: Control = control("Window", "The colours of the window.");
+
+pub(crate) const SIZE: Control =
+    control("Size", "Width and height of the picture in pixels, each 1 to 32768.");
+pub(crate) const WIDTH: Control =
+    control("Width", "Width of the picture in pixels, 1 to 32768. Drag or type.");
+pub(crate) const HEIGHT: Control =
+    control("Height", "Height of the picture in pixels, 1 to 32768. Drag or type.");
+pub(crate) const PRESETS: Control =
+    control("Presets", "Sizes in use, the scene file's, and the one that fills the window.");
+pub(crate) const SEED: Control = control(
+    "Seed",
+    "Picks one of 2^64 independent pictures, 0 to 18446744073709551615: the same seed is the same \
+     noise.",
+);
+pub(crate) const NEXT_SEED: Control =
+    control("Next", "The next seed: the same picture with other noise.");
+pub(crate) const DEPTH: Control = control(
+    "Depth",
+    "Largest number of scattering events between camera and light. Fewer is faster, and darker than \
+     the truth.",
+);
+pub(crate) const DEPTH_LIMIT: Control = control(
+    "Depth limit",
+    "At most this many scattering events, 1 to 1000: 1 is direct light alone.",
+);
+pub(crate) const THREADS: Control = control(
+    "Threads",
+    "Worker threads, 0 to 1024; 0 is one a core. A change starts the picture again; its bits are \
+     the same with any number.",
+);
+
+pub(crate) const ERRATUM: Control = control(
+    "Erratum",
+    "Mistakes of the report and the program that this one grew from, each to be seen by itself: the \
+     picture is then wrong on purpose.",
+);
+pub(crate) const LIGHT: Control =
+    control("Light", "How light is found. All three give the same picture with different noise.");
+pub(crate) const NORMALS: Control = control(
+    "Normals",
+    "Which microfacet normals are drawn. Both give the same picture with different noise.",
+);
+
+pub(crate) const WATCH: Control = control(
+    "Read again when it changes",
+    "When a file of the scene changes on the disk, the scene is read again. A camera that was moved \
+     stays; edits of materials go.",
+);
+
+pub(crate) const DISMISS: Control = control("Dismiss", "Takes the message away.");
+pub(crate) const CLOSE: Control = control("Close", "Closes the help.");
+
+/// All of them by the part of the window that they are in, as name and words: for the README.
+#[cfg(test)]
+pub(crate) fn table() -> Vec<(&'static str, Vec<(String, String)>)> {
+    use crate::viewer::document::goal::Stop;
+    use crate::viewer::panels::method;
+    use crate::viewer::panels::tracing::Depth;
+    use crate::viewer::panels::view;
+    use burnish::{brdf::Normals, picture::Curve, progressive::Strategy};
+    let line = |c: &Control| (c.name.to_owned(), c.tip.to_owned());
+    let choice =
+        |of: &Control, name: &str, words: &str| (format!("{}: {name}", of.name), words.to_owned());
+    let lines = |controls: &[Control]| controls.iter().map(line).collect::<Vec<_>>();
+    let mut first = lines(&[ROUGHNESS, AS_IN_FILE, ALPHA, A_P, APPLIES_TO]);
+    first.extend([ALL, PICKED].map(|c| choice(&APPLIES_TO, c.name, c.tip)));
+    first.push(line(&STOP_AT));
+    first.extend(Stop::ALL.map(|s| {
+        let limit = s.limit();
+        (format!("{}: {}, {}", STOP_AT.name, s.title(), limit.name), limit.tip.to_owned())
+    }));
+    first.push(line(&SCENES));
+
+    let mut tracing = lines(&[SIZE, WIDTH, HEIGHT, PRESETS, SEED, NEXT_SEED, DEPTH]);
+    tracing.extend(Depth::ALL.map(|d| choice(&DEPTH, d.title(), d.tip())));
+    tracing.extend(lines(&[DEPTH_LIMIT, THREADS]));
+
+    let channels = format!("Three fields: {}.", CHANNELS.join(", "));
+    let mut materials = vec![(
+        "A material's name".to_owned(),
+        "Picks the material, as a click in the picture does; again lets go of it. Its fields are \
+         below the list."
+            .to_owned(),
+    )];
+    materials
+        .extend([KD, KS, EMISSION].map(|c| (c.name.to_owned(), format!("{} {channels}", c.tip))));
+    materials.push(line(&EXPONENT));
+
+    let mut view = lines(&[EXPOSURE, CURVE]);
+    view.extend(Curve::ALL.map(|c| choice(&CURVE, c.title(), view::describe(c))));
+    view.extend(lines(&[CAMERA, WINDOW]));
+    view.extend(view::THEMES.map(|(_, name, tip)| choice(&WINDOW, name, tip)));
+
+    let mut method = lines(&[ERRATUM, LIGHT]);
+    method.extend(Strategy::ALL.map(|s| choice(&LIGHT, s.title(), method::found(s))));
+    method.push(line(&NORMALS));
+    method.extend(Normals::ALL.map(|n| choice(&NORMALS, n.title(), method::drawn(n, false))));
+
+    vec![
+        ("First in the panel", first),
+        ("Materials", materials),
+        ("View", view),
+        ("Tracing", tracing),
+        ("Errata and method", method),
+        ("Scene", lines(&[WATCH])),
+        ("Open, Ctrl-O", lines(&[PATH, OPEN_PATH, CANCEL])),
+        ("Messages and help", lines(&[DISMISS, CLOSE])),
+    ]
+}

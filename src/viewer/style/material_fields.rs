@@ -1,0 +1,80 @@
+//! The numbers of the picked material: what it reflects, how rough it is, what it emits.
+
+use crate::viewer::document::{Document, has_lobe};
+use crate::viewer::style::labels::{self, Control};
+use crate::viewer::style::numbers::digits;
+use crate::viewer::style::theme;
+use crate::viewer::style::widgets;
+use burnish::brdf::Roughness;
+use burnish::scene::Material;
+use egui::Ui;
+
+/// Draws the fields of the picked material; an edit changes the document.
+pub(crate) fn fields(ui: &mut Ui, document: &mut Document) {
+    let Some(material) = document.picked_material().filter(|_| document.only_picked) else {
+        return;
+    };
+    ui.add_space(theme::GAP);
+    let mut edited = material.clone();
+    let shines = material.emits() || document.picked_as_read().is_some_and(Material::emits);
+    let reflects = material.kd != [0.0; 3] || has_lobe(material);
+    if shines {
+        colour(ui, &labels::EMISSION, Material::MAX_EMISSION, &mut edited.emission);
+    }
+    // A scene file has no words for a surface that does both.
+    if !shines || reflects {
+        colour(ui, &labels::KD, 1.0, &mut edited.kd);
+        colour(ui, &labels::KS, 1.0, &mut edited.ks);
+        exponent(ui, &mut edited);
+    }
+    if edited != *material {
+        document.set_picked(edited);
+    }
+}
+
+/// A swatch and three numbers.
+fn colour(ui: &mut Ui, control: &Control, most: f64, value: &mut [f32; 3]) {
+    let Control { name, tip } = control;
+    widgets::field(ui, control, |ui, _| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        let height = ui.spacing().interact_size.y;
+        // A radiance by its colour alone.
+        let brightest = if most == 1.0 { 1.0 } else { value.iter().fold(1e-30, |a, &b| b.max(a)) };
+        widgets::swatch(ui, value.map(|c| c / brightest)).on_hover_text(*tip);
+        let size = egui::vec2((ui.available_width() - 8.0) / 3.0, height);
+        for (channel, value) in labels::CHANNELS.into_iter().zip(value) {
+            let mut wide = f64::from(*value);
+            let speed = if most == 1.0 { 0.005 } else { (0.01 * wide).max(0.01) };
+            let field = widgets::number(&mut wide, 3).range(0.0..=most).speed(speed).min_size(size);
+            let field = ui.add_sized(size, field).accessible_name(format!("{name} {channel}"));
+            if field.on_hover_text(*tip).changed() {
+                *value = wide as f32;
+            }
+        }
+    });
+}
+
+/// Width of "alpha 0.0001000", in points.
+const FIGURE: f32 = 120.0;
+
+fn exponent(ui: &mut Ui, material: &mut Material) {
+    let tip = labels::EXPONENT.tip;
+    widgets::field(ui, &labels::EXPONENT, |ui, label| {
+        if !has_lobe(material) {
+            ui.weak("no lobe: Ks is 0").on_hover_text(labels::KS.tip);
+            return;
+        }
+        let [low, high] = Roughness::EXPONENT;
+        let mut a_p = material.roughness.exponent();
+        let size = egui::vec2(ui.available_width() - FIGURE, ui.spacing().interact_size.y);
+        let speed = 0.01 * (a_p + 2.0);
+        let field = widgets::number(&mut a_p, 4).range(low..=high).speed(speed).min_size(size);
+        if ui.add_sized(size, field).labelled_by(label).on_hover_text(tip).changed()
+            && let Ok(roughness) = Roughness::from_exponent(a_p)
+        {
+            material.roughness = roughness;
+        }
+        let alpha = format!("alpha {}", digits(material.roughness.alpha(), 4));
+        ui.label(egui::RichText::new(alpha).monospace()).on_hover_text(tip);
+    });
+}

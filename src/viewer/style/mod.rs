@@ -1,0 +1,7 @@
+//! How the window looks and what it says: colours, spacing, widgets, labels, numbers in words.
+
+pub(crate) mod labels;
+pub(crate) mod material_fields;
+pub(crate) mod numbers;
+pub(crate) mod theme;
+pub(crate) mod widgets;

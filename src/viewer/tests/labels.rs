@@ -1,0 +1,116 @@
+//! Every control has a name and words, and the README lists them all.
+
+use super::*;
+use crate::viewer::keys::{MOUSE, PICTURE_KEYS};
+use crate::viewer::style::labels;
+use egui_kittest::kittest::NodeT;
+use std::collections::HashSet;
+use std::fmt::Write;
+
+const README: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/README.md");
+const MARKS: [&str; 2] = ["<!-- keys -->", "<!-- /keys -->"];
+
+fn cell(text: &str) -> String {
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    text.replace('|', "\\|").replace('*', "\\*").replace('<', "&lt;")
+}
+
+fn rows(text: &mut String, head: [&str; 2], rows: impl IntoIterator<Item = [String; 2]>) {
+    let _ = write!(text, "\n| {} | {} |\n| --- | --- |\n", head[0], head[1]);
+    for [what, does] in rows {
+        let _ = writeln!(text, "| {} | {} |", cell(&what), cell(&does));
+    }
+}
+
+/// What stands between the marks of the README.
+fn list() -> String {
+    let ctx = egui::Context::default();
+    ctx.set_os(egui::os::OperatingSystem::Nix);
+    let mut text = String::new();
+    let keys = TABLE.iter().map(|b| {
+        let keys = keys::keys_text(&ctx, b).replace('`', "");
+        [
+            keys.split(", ").map(|k| format!("`{k}`")).collect::<Vec<_>>().join(" "),
+            format!("{}. {}", b.does, b.tip),
+        ]
+    });
+    rows(&mut text, ["key", "what it does"], keys);
+    let pairs = |pairs: &[(&str, &str)]| {
+        pairs.iter().map(|(a, b)| [(*a).to_owned(), (*b).to_owned()]).collect::<Vec<_>>()
+    };
+    rows(&mut text, ["over the picture", ""], pairs(MOUSE));
+    rows(&mut text, ["with the picture focused (Tab)", ""], pairs(PICTURE_KEYS));
+    text += "\n<details><summary>Every control, with its formula and unit</summary>\n";
+    for (part, controls) in labels::table() {
+        rows(&mut text, [part, ""], controls.into_iter().map(|(name, tip)| [name, tip]));
+    }
+    text += "\n</details>\n";
+    text
+}
+
+#[test]
+fn the_readme_lists_every_key_and_control() {
+    let readme = std::fs::read_to_string(README).unwrap();
+    let between = readme.split_once(MARKS[0]).and_then(|(_, rest)| rest.split_once(MARKS[1]));
+    let found = between.map_or("", |(found, _)| found);
+    let expected = format!("\n{}", list());
+    assert!(
+        found == expected,
+        "README.md must have this between {} and {}:\n{expected}",
+        MARKS[0],
+        MARKS[1]
+    );
+}
+
+/// All words that a control may bear.
+fn known(desk: &Desk) -> HashSet<String> {
+    let mut known: HashSet<String> = TABLE.iter().map(|b| b.name.to_owned()).collect();
+    for (part, controls) in labels::table() {
+        known.insert(part.to_owned());
+        for (name, _) in controls {
+            known.extend(name.split(": ").flat_map(|n| n.split(", ")).map(str::to_owned));
+        }
+    }
+    for colour in [labels::KD, labels::KS, labels::EMISSION] {
+        known.extend(labels::CHANNELS.map(|c| format!("{} {c}", colour.name)));
+    }
+    known.extend(["Proofs", "Picture"].map(str::to_owned));
+    known.extend(desk.doc().params.materials.iter().map(|m| m.name.clone()));
+    known
+}
+
+#[test]
+fn every_control_is_in_the_table() {
+    let mut desk = Desk::done(1);
+    desk.document(|d| d.pick(Some(0)));
+    for section in ["Tracing", "Errata and method", "Proofs"] {
+        desk.click_role(Role::Button, section);
+        desk.harness.run_ok();
+    }
+    desk.chord(Modifiers::CTRL | Modifiers::COMMAND, Key::O);
+    desk.harness.run_ok();
+    let known = known(&desk);
+    let mut seen = HashSet::new();
+    for role in [
+        Role::Button,
+        Role::CheckBox,
+        Role::ComboBox,
+        Role::Image,
+        Role::RadioButton,
+        Role::Slider,
+        Role::SpinButton,
+        Role::TextInput,
+    ] {
+        for node in desk.harness.query_all_by_role(role) {
+            let node = node.accesskit_node();
+            let mut names = vec![node.label().unwrap_or_default()];
+            names.extend(node.labelled_by().filter_map(|n| n.value()));
+            assert!(names.iter().any(|n| known.contains(n)), "{role:?} {names:?} is in no table");
+            seen.extend(names);
+        }
+    }
+    for name in ["Width", "Seed", "Threads", "Kd red", "Exposure", "Erratum", "Open path", "Undo"] {
+        assert!(seen.contains(name), "{name} is not in the window: {seen:?}");
+    }
+    assert_eq!(desk.harness.unnamed_widgets(), Vec::<String>::new());
+}
