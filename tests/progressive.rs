@@ -101,7 +101,7 @@ fn many_stops_leave_no_trace() {
     const PASSES: u64 = 40;
     let params = Params { size: [120, 200], ..Params::new(small_room()) };
     let plain = render(params.clone(), PASSES, 2).unwrap();
-    let options = Options { threads: 2, preview: true, interval: Duration::ZERO };
+    let options = Options { threads: 2, preview: true, interval: Duration::ZERO, keep: 0 };
     let session = Session::with_options(params, 1, options, || {}).unwrap();
     let mut stops = 0;
     let end = loop {
@@ -221,7 +221,7 @@ fn a_worker_that_fails_is_told_and_the_next_change_goes_on() {
     let sprung = trap.clone();
     // It is the workers that notify.
     let notify = move || assert!(!sprung.swap(false, Ordering::SeqCst), "a trap of the test");
-    let options = Options { threads: 2, preview: false, interval: Duration::ZERO };
+    let options = Options { threads: 2, preview: false, interval: Duration::ZERO, keep: 0 };
     let session = Session::with_options(params.clone(), 3, options, notify).unwrap();
     let failed = |s: &Snapshot| matches!(s.state, State::Failed(_));
     let Some(Snapshot { state: State::Failed(why), .. }) = session.snapshots().iter().find(failed)
@@ -261,7 +261,7 @@ fn the_time_between_snapshots_can_be_changed_while_it_runs() {
     let told = Arc::new(AtomicUsize::new(0));
     let count = told.clone();
     let hour = Duration::from_secs(3600);
-    let options = Options { threads: 1, preview: false, interval: hour };
+    let options = Options { threads: 1, preview: false, interval: hour, keep: 0 };
     let notify = move || {
         count.fetch_add(1, Ordering::SeqCst);
     };

@@ -35,6 +35,8 @@ pub struct Film {
     /// What [`Film::note_spread`] has noted, by cell and half of the replicates.
     spreads: Vec<[Vec<f32>; 2]>,
     passes: u64,
+    /// Whether there are samples of a pass that is not whole.
+    open: bool,
     /// Width and pixels to have when the next pass begins; `None` while the sums are good.
     retired: Option<[usize; 2]>,
 }
@@ -43,6 +45,11 @@ impl Film {
     /// Whole passes so far.
     pub fn passes(&self) -> u64 {
         self.passes
+    }
+
+    /// Whether all of its samples are of whole passes.
+    pub fn is_whole(&self) -> bool {
+        !self.open
     }
 
     /// Makes it an empty film of this many pixels in rows of `width`, keeping its memory.
@@ -58,6 +65,7 @@ impl Film {
         self.spreads.clear();
         self.spreads.resize(cells, Default::default());
         self.passes = 0;
+        self.open = false;
     }
 
     /// Has the next pass begin an empty film of this many pixels in rows of `width`. Costs nothing
@@ -65,6 +73,7 @@ impl Film {
     pub fn retire(&mut self, width: usize, pixels: usize) {
         self.retired = Some([width, pixels]);
         self.passes = 0;
+        self.open = false;
     }
 
     /// Makes the film ready for a pass and returns the pass's number, from 0.
@@ -72,6 +81,7 @@ impl Film {
         if let Some([width, pixels]) = self.retired.take() {
             self.clear(width, pixels);
         }
+        self.open = true;
         self.passes
     }
 
@@ -87,6 +97,7 @@ impl Film {
         let replicate = (self.passes % REPLICATES as u64) as usize;
         self.counts.iter_mut().for_each(|counts| counts[replicate] += 1);
         self.passes += 1;
+        self.open = false;
     }
 
     /// Adds a sample of this replicate to a pixel. All of its cell get one, which
@@ -109,6 +120,7 @@ impl Film {
     /// Counts a pass in which cells got as many samples as each was to have, on the mean one.
     pub fn end_uneven_pass(&mut self) {
         self.passes += 1;
+        self.open = false;
     }
 
     /// Number of cells.
@@ -124,6 +136,15 @@ impl Film {
     /// Samples that each pixel of a cell has, by replicate.
     pub fn counts(&self, cell: usize) -> [u64; REPLICATES] {
         self.counts[cell]
+    }
+
+    /// Bytes of memory that it holds.
+    pub fn bytes(&self) -> usize {
+        let notes: usize = self.spreads.iter().flatten().map(|notes| 4 * notes.capacity()).sum();
+        self.sums.capacity() * size_of::<[[f64; 3]; REPLICATES]>()
+            + self.counts.capacity() * size_of::<[u64; REPLICATES]>()
+            + self.spreads.capacity() * size_of::<[Vec<f32>; 2]>()
+            + notes
     }
 
     fn cell_of(&self, pixel: usize) -> usize {

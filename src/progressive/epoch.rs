@@ -3,6 +3,7 @@
 use super::canvas::Canvas;
 use super::plan::{self, Plan};
 use super::trace::trace;
+use super::turn::Turn;
 use super::{Counts, Params, Snapshot, State, TileGrid, TileImage, pilot};
 use crate::film::{ErrorSums, Film};
 use crate::math::Rgb;
@@ -17,7 +18,8 @@ use std::time::{Duration, Instant};
 /// Everything of one epoch that workers share. A new epoch gets a new one, so nothing of an old
 /// epoch can reach it.
 pub(super) struct Epoch {
-    pub(super) number: u64,
+    /// For whom it is traced at present.
+    pub(super) turn: Turn,
     pub(super) params: Params,
     pub(super) tracer: Tracer,
     /// Once it is decided.
@@ -57,7 +59,7 @@ impl Shown {
 }
 
 impl Epoch {
-    pub(super) fn new(number: u64, params: Params, threads: usize) -> Epoch {
+    pub(super) fn new(turn: Turn, params: Params, threads: usize) -> Epoch {
         let grid = TileGrid { size: params.size };
         let tracer = params.tracer();
         let mut shown = Vec::new();
@@ -66,7 +68,7 @@ impl Epoch {
         let own = (0..threads.max(1)).map(|_| Mutex::new(own())).collect();
         let group = pilot::without(&params, &tracer).map_or_else(OnceLock::new, OnceLock::from);
         Epoch {
-            number,
+            turn,
             params,
             tracer,
             group,
@@ -79,6 +81,31 @@ impl Epoch {
             run_start: Mutex::new(None),
             last_snapshot: Mutex::new(Instant::now()),
         }
+    }
+
+    /// Gives back the workers' memory, while nothing is traced.
+    pub(super) fn rest(&mut self) {
+        self.own = Vec::new();
+    }
+
+    /// Makes it ready for a turn by so many workers; all of it is new to whoever looks.
+    pub(super) fn wake(&mut self, turn: Turn, threads: usize) {
+        self.turn = turn;
+        let own = || Own { scratch: self.tracer.scratch(), hand: Hand::default() };
+        self.own = (0..threads.max(1)).map(|_| Mutex::new(own())).collect();
+        for shown in &mut self.shown {
+            let shown = shown.get_mut().unwrap_or_else(PoisonError::into_inner);
+            shown.dirty = shown.image.is_some();
+        }
+    }
+
+    /// Bytes of memory that its tiles and what its tracer is made of hold.
+    pub(super) fn bytes(&self) -> usize {
+        let tile = |shown: &Mutex<Shown>| {
+            let shown = shown.lock().unwrap_or_else(PoisonError::into_inner);
+            shown.image.as_ref().map_or(0, |(image, _)| image.bytes())
+        };
+        self.shown.iter().map(tile).sum::<usize>() + self.tracer.bytes()
     }
 
     /// Traces a bundle of a deal.
@@ -116,8 +143,9 @@ impl Epoch {
         }
     }
 
-    /// Traces what a tile is to get in its next pass, and adds it. Returns the number of samples;
-    /// `None` if half-way the picture was not `wanted` any more, for a noisy tile has many bundles.
+    /// Traces what a tile is to get in its next pass, and adds it. Returns the number of samples, and
+    /// whether the pass is whole: not if half-way the picture was not `wanted` for now, for a noisy
+    /// tile has many bundles. The next call then goes on with what is left.
     pub(super) fn uneven_pass(
         &self,
         index: usize,
@@ -126,15 +154,19 @@ impl Epoch {
         group: Group,
         Own { scratch, hand }: &mut Own,
         wanted: &dyn Fn() -> bool,
-    ) -> Option<u64> {
+    ) -> (u64, bool) {
         let (rect, pass) = (self.grid.rect(index), film.begin_pass());
         let (mut paths, mut nonfinite) = (0, 0);
-        for cell in 0..film.cells() {
+        let mut whole = true;
+        'cells: for cell in 0..film.cells() {
             let (half, pairs) = plan.pairs(index, cell, pass);
             let area = plan::cell_rect(self.grid, index, cell);
-            for pair in pairs {
+            // Pairs are numbered throughout: those counted already are of a call before.
+            let counted = film.counts(cell)[2 * half];
+            for pair in pairs.start.max(counted)..pairs.end {
                 if !wanted() {
-                    return None;
+                    whole = false;
+                    break 'cells;
                 }
                 hand.clear();
                 for replicate in [2 * half, 2 * half + 1] {
@@ -160,10 +192,12 @@ impl Epoch {
                 }
             }
         }
-        film.end_uneven_pass();
+        if whole {
+            film.end_uneven_pass();
+        }
         let (rays, capped) = (take(&mut scratch.rays), take(&mut scratch.capped));
         self.count(Counts { paths, rays, nonfinite, capped });
-        Some(paths)
+        (paths, whole)
     }
 
     /// Adds the samples of those of the canvas's passes that a tile's film does not have: after an
@@ -195,7 +229,7 @@ impl Epoch {
 
     /// Shows what a film has if it is more than what is shown.
     pub(super) fn show_if_new(&self, index: usize, film: &Film) {
-        if film.passes() == self.shown(index).passes() {
+        if film.passes() == self.shown(index).passes() || !film.is_whole() {
             return;
         }
         let estimate = film.estimate(self.grid.rect(index).width());
@@ -255,7 +289,8 @@ impl Epoch {
         *start = running.then(Instant::now);
     }
 
-    fn seconds(&self) -> f64 {
+    /// Of tracing so far.
+    pub(super) fn seconds(&self) -> f64 {
         let start = self.run_start.lock().unwrap_or_else(PoisonError::into_inner);
         let run = start.map_or(0.0, |s| s.elapsed().as_secs_f64());
         run + self.earlier.load(Ordering::Relaxed) as f64 * 1e-9
@@ -286,7 +321,7 @@ impl Epoch {
             |tile: &Option<Arc<TileImage>>| tile.as_ref().is_some_and(|t| t.passes == passes);
         let whole = passes > 0 && tiles.iter().all(is_level);
         Snapshot {
-            epoch: self.number,
+            epoch: self.turn.epoch,
             grid: self.grid,
             tiles,
             dirty,

@@ -1,8 +1,10 @@
 //! The progressive core: [`Params`] in, epoch-stamped [`Snapshot`]s out.
 
+mod accumulator;
 mod canvas;
+mod driver;
 mod epoch;
-mod kept;
+mod first_hits;
 mod outlet;
 mod params;
 mod pilot;
@@ -13,6 +15,7 @@ mod session;
 mod snapshot;
 mod stop;
 mod trace;
+mod turn;
 mod work;
 
 pub use crate::film::{ErrorEstimate, Figure, Interval};
@@ -22,6 +25,6 @@ pub use recipe::{
     ErrorRecipe, FileRecipe, MaterialRecipe, Recipe, RecipeError, SceneRecipe, ToneRecipe,
 };
 pub use replay::{Replay, Sample};
-pub use session::{Options, Session, render};
+pub use session::{KeptPictures, Options, Session, render};
 pub use snapshot::{Counts, Snapshot, State, TILE, TileGrid, TileImage, TileRect};
 pub use stop::StopRule;

@@ -150,13 +150,18 @@ impl Params {
         Ok(())
     }
 
-    /// Whether there is memory for the picture, where one of `held` pixels has its own already.
-    pub(super) fn fit(&self, held: [u32; 2]) -> Result<(), ParamsError> {
-        // Sums of all replicates, a pass's samples, the mean and error shown, and when it is written
-        // the whole mean and what becomes of it.
+    /// Bytes of memory that a picture of these takes: sums of all replicates, a pass's samples, the
+    /// mean and error shown, and when it is written the whole mean and what becomes of it.
+    pub(super) fn bytes(&self) -> u64 {
         const PIXEL: u64 = (size_of::<[[f64; 3]; REPLICATES]>() + 5 * size_of::<[f32; 3]>()) as u64;
-        let pixels = |[w, h]: [u32; 2]| u64::from(w) * u64::from(h);
-        let need = pixels(self.size).saturating_sub(pixels(held)) * PIXEL;
+        u64::from(self.size[0]) * u64::from(self.size[1]) * PIXEL
+    }
+
+    /// Whether there is memory for the picture, where one of `held` pixels has its own already and
+    /// so many bytes are spare.
+    pub(super) fn fit(&self, held: [u32; 2], spare: u64) -> Result<(), ParamsError> {
+        let held = Params { size: held, ..self.clone() }.bytes() + spare;
+        let need = self.bytes().saturating_sub(held);
         let [w, h] = self.size;
         if need > 0 {
             fits(need, || format!("a picture of {w}x{h} pixels"))?;

@@ -1,5 +1,8 @@
 //! Worker threads behind a handle.
 
+use super::driver::Driver;
+use super::outlet::Outlet;
+use super::turn::{Role, Turn};
 use super::work::{Work, Workers};
 use super::{Params, ParamsError, Snapshot, State};
 use crossbeam_channel::{Receiver, bounded};
@@ -31,6 +34,7 @@ use std::time::Duration;
 pub struct Session {
     shared: Arc<Shared>,
     snapshots: Receiver<Snapshot>,
+    beside: Receiver<Snapshot>,
     driver: Option<JoinHandle<()>>,
 }
 
@@ -43,31 +47,76 @@ pub struct Options {
     pub preview: bool,
     /// Shortest time between two snapshots, those at a change of state excepted.
     pub interval: Duration,
+    /// Bytes of memory for pictures of other parameters, which go on from where they were when these
+    /// are set again.
+    pub keep: u64,
+}
+
+/// Pictures kept of other parameters than the present ones.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct KeptPictures {
+    /// Their number.
+    pub pictures: u64,
+    /// Bytes of memory that they hold.
+    pub bytes: u64,
 }
 
 impl Options {
     /// For a window: coarse first, thirty snapshots a second.
     pub fn interactive(threads: usize) -> Options {
-        Options { threads, preview: true, interval: Duration::from_millis(33) }
+        Options { threads, preview: true, interval: Duration::from_millis(33), keep: 0 }
     }
     /// For a file: no preview, few snapshots.
     pub fn headless(threads: usize) -> Options {
-        Options { threads, preview: false, interval: Duration::from_millis(500) }
+        Options { threads, preview: false, interval: Duration::from_millis(500), keep: 0 }
     }
+}
+
+/// What is to be rendered.
+#[derive(Debug)]
+struct Wanted {
+    params: Params,
+    /// Whether what there is of the parameters before is to be thrown away.
+    discard: bool,
+    /// To be compared with it.
+    beside: Option<Params>,
+    /// While there is nothing else to do, the first first.
+    background: Vec<Params>,
 }
 
 /// What the handle tells the workers. The counters are written under the lock of `wanted`, and
 /// read without it once a bundle of paths.
 #[derive(Debug)]
 pub(super) struct Shared {
-    wanted: Mutex<Params>,
+    wanted: Mutex<Wanted>,
     changed: Condvar,
+    /// Counts the orders of every kind.
+    orders: AtomicU64,
     epoch: AtomicU64,
+    /// Number of the picture beside the shown one; counts up with every other one that is wanted.
+    beside: AtomicU64,
     limit: AtomicU64,
     paused: AtomicBool,
     stopped: AtomicBool,
     /// Shortest time between two snapshots, in milliseconds.
     interval: AtomicU64,
+    /// Bytes for accumulators that are not in use.
+    keep: AtomicU64,
+    /// Their number and the bytes that they hold.
+    kept: [AtomicU64; 2],
+}
+
+/// How far the driver is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Progress {
+    /// Of the picture that is shown.
+    pub(super) epoch: u64,
+    pub(super) passes: u64,
+    pub(super) failed: bool,
+    /// Number of the picture beside it that the driver knows, and its passes if there is one that can
+    /// be traced.
+    pub(super) beside: u64,
+    pub(super) beside_passes: Option<u64>,
 }
 
 impl Session {
@@ -93,35 +142,82 @@ impl Session {
         notify: impl Fn() + Send + Sync + 'static,
     ) -> Result<Session, ParamsError> {
         params.check()?;
-        params.fit([0; 2])?;
+        params.fit([0; 2], 0)?;
         let (sender, snapshots) = bounded(1);
-        let shared = Arc::new(Shared::new(params, limit, options.interval));
-        let outlet = super::outlet::Outlet::new(sender, snapshots.clone(), Box::new(notify));
-        let workers = Workers::new(options, shared.clone(), outlet)?;
+        let (beside_sender, beside) = bounded(1);
+        let shared = Arc::new(Shared::new(params, limit, options));
+        let notify = Arc::new(notify);
+        let outlets = [(sender, &snapshots), (beside_sender, &beside)].map(|(sender, receiver)| {
+            let notify = notify.clone();
+            Outlet::new(sender, receiver.clone(), Box::new(move || notify()))
+        });
+        let workers = Workers::new(options, shared.clone(), outlets)?;
         let failed = |e: std::io::Error| ParamsError::Threads { threads: 1, reason: e.to_string() };
         let driver = std::thread::Builder::new()
             .name("burnish driver".into())
-            .spawn(move || workers.drive())
+            .spawn(move || Driver::new(workers).drive())
             .map_err(failed)?;
-        Ok(Session { shared, snapshots, driver: Some(driver) })
+        Ok(Session { shared, snapshots, beside, driver: Some(driver) })
     }
 
     /// Renders these from now on. Returns the epoch that their snapshots will carry; it is the
-    /// present one when nothing changed. Takes effect within one bundle of paths.
+    /// present one when nothing changed. Takes effect within one bundle of paths. What has been traced
+    /// of the parameters before is [kept](Options::keep), and goes on once they are set again.
     pub fn set(&self, params: Params) -> Result<u64, ParamsError> {
         params.check()?;
         let mut wanted = self.shared.lock();
-        if *wanted == params {
+        if wanted.params == params {
             return Ok(self.epoch());
         }
-        params.fit(wanted.size)?;
-        *wanted = params;
+        params.fit(wanted.params.size, self.kept().bytes)?;
+        wanted.params = params;
         Ok(self.shared.next_epoch(wanted))
     }
 
     /// Starts the present parameters from the first pass again, as a new epoch.
     pub fn restart(&self) -> u64 {
-        self.shared.next_epoch(self.shared.lock())
+        let mut wanted = self.shared.lock();
+        wanted.discard = true;
+        self.shared.next_epoch(wanted)
+    }
+
+    /// Renders these in turn with the present parameters, the picture of fewer passes first; to the
+    /// same limit. Returns the epoch that their snapshots, of [`Session::latest_beside`], will carry.
+    /// Where they are the present parameters themselves there are none.
+    pub fn set_beside(&self, params: Option<Params>) -> Result<u64, ParamsError> {
+        if let Some(params) = &params {
+            params.check()?;
+            params.fit([0; 2], self.kept().bytes)?;
+        }
+        let mut wanted = self.shared.lock();
+        if wanted.beside != params {
+            wanted.beside = params;
+            self.shared.beside.fetch_add(1, Ordering::Release);
+        }
+        let number = self.shared.beside.load(Ordering::Acquire);
+        self.shared.tell_with(wanted);
+        Ok(number)
+    }
+
+    /// Renders these, to the same limit and the first first, whenever the present ones are done or
+    /// paused, as far as there is [memory](Options::keep) to keep them.
+    pub fn set_background(&self, params: Vec<Params>) {
+        let mut wanted = self.shared.lock();
+        if wanted.background != params {
+            wanted.background = params;
+            self.shared.tell_with(wanted);
+        }
+    }
+
+    /// Keeps at most so many bytes of pictures of other parameters from now on.
+    pub fn set_keep(&self, bytes: u64) {
+        self.shared.tell(|shared| shared.keep.store(bytes, Ordering::Release));
+    }
+
+    /// What is kept of other parameters.
+    pub fn kept(&self) -> KeptPictures {
+        let [pictures, bytes] = [0, 1].map(|i: usize| self.shared.kept[i].load(Ordering::Relaxed));
+        KeptPictures { pictures, bytes }
     }
 
     /// The epoch that is being rendered.
@@ -157,6 +253,11 @@ impl Session {
         self.snapshots.try_recv().ok()
     }
 
+    /// The newest snapshot not yet taken of the picture [beside](Session::set_beside), if there is one.
+    pub fn latest_beside(&self) -> Option<Snapshot> {
+        self.beside.try_recv().ok()
+    }
+
     /// The channel itself, for waiting. It holds at most one snapshot, the newest.
     pub fn snapshots(&self) -> &Receiver<Snapshot> {
         &self.snapshots
@@ -178,15 +279,20 @@ impl Drop for Session {
 }
 
 impl Shared {
-    pub(super) fn new(params: Params, limit: u64, interval: Duration) -> Shared {
+    pub(super) fn new(params: Params, limit: u64, options: Options) -> Shared {
+        let wanted = Wanted { params, discard: false, beside: None, background: Vec::new() };
         Shared {
-            wanted: Mutex::new(params),
+            wanted: Mutex::new(wanted),
             changed: Condvar::new(),
+            orders: AtomicU64::new(0),
             epoch: AtomicU64::new(1),
+            beside: AtomicU64::new(0),
             limit: AtomicU64::new(limit.clamp(1, Session::MAX_PASSES)),
             paused: AtomicBool::new(false),
             stopped: AtomicBool::new(false),
-            interval: AtomicU64::new(millis(interval)),
+            interval: AtomicU64::new(millis(options.interval)),
+            keep: AtomicU64::new(options.keep),
+            kept: Default::default(),
         }
     }
 
@@ -194,22 +300,26 @@ impl Shared {
         self.tell(|shared| shared.paused.store(paused, Ordering::Release));
     }
 
-    fn lock(&self) -> MutexGuard<'_, Params> {
+    fn lock(&self) -> MutexGuard<'_, Wanted> {
         self.wanted.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn tell(&self, what: impl FnOnce(&Shared)) {
         let guard = self.lock();
         what(self);
+        self.tell_with(guard);
+    }
+
+    fn tell_with(&self, guard: MutexGuard<'_, Wanted>) {
+        self.orders.fetch_add(1, Ordering::Release);
         drop(guard);
         self.changed.notify_all();
     }
 
-    fn next_epoch(&self, guard: MutexGuard<'_, Params>) -> u64 {
+    fn next_epoch(&self, guard: MutexGuard<'_, Wanted>) -> u64 {
         let epoch = self.epoch.load(Ordering::Acquire) + 1;
         self.epoch.store(epoch, Ordering::Release);
-        drop(guard);
-        self.changed.notify_all();
+        self.tell_with(guard);
         epoch
     }
 
@@ -223,46 +333,90 @@ impl Shared {
         self.limit.load(Ordering::Acquire)
     }
 
-    /// Whether paths of this epoch may still be traced.
-    pub(super) fn goes_on(&self, epoch: u64) -> bool {
-        self.epoch.load(Ordering::Acquire) == epoch
-            && !self.paused.load(Ordering::Acquire)
-            && !self.stopped.load(Ordering::Acquire)
+    /// Bytes for accumulators that are not in use.
+    pub(super) fn keep(&self) -> u64 {
+        self.keep.load(Ordering::Acquire)
     }
 
-    /// Whether anyone wants the picture of this epoch any more, be it later.
-    pub(super) fn is_wanted(&self, epoch: u64) -> bool {
-        self.epoch.load(Ordering::Acquire) == epoch && !self.stopped.load(Ordering::Acquire)
+    /// Lets the handle know of accumulators that are not in use: how many, and their bytes.
+    pub(super) fn tell_kept(&self, size: [u64; 2]) {
+        self.kept.iter().zip(size).for_each(|(place, n)| place.store(n, Ordering::Relaxed));
     }
 
-    /// Waits until there is something to do for a driver that has rendered `passes` of `epoch`, or
-    /// has `failed` to. `idle` is called with the reason before each wait.
+    /// Number of the picture that is to be beside the shown one.
+    pub(super) fn beside(&self) -> u64 {
+        self.beside.load(Ordering::Acquire)
+    }
+
+    /// Whether paths of this turn may still be traced.
+    pub(super) fn goes_on(&self, turn: Turn) -> bool {
+        let paused = turn.role != Role::Background && self.paused.load(Ordering::Acquire);
+        self.is_wanted(turn) && !paused
+    }
+
+    /// Whether what is being traced is still to be done, be it later. Where not, it is done when its
+    /// accumulator has another turn.
+    pub(super) fn is_wanted(&self, turn: Turn) -> bool {
+        let due = match turn.role {
+            Role::Shown => self.epoch.load(Ordering::Acquire) == turn.epoch,
+            Role::Beside | Role::Background => self.orders.load(Ordering::Acquire) == turn.orders,
+        };
+        due && !self.stopped.load(Ordering::Acquire)
+    }
+
+    /// Waits until there is something to do for a driver that is so far. `idle` is called with the
+    /// reason when the picture that is shown is at rest; `there` tells the passes that there are of
+    /// other parameters, if more can be kept of these.
     pub(super) fn wait(
         &self,
-        epoch: u64,
-        passes: u64,
-        failed: bool,
+        at: Progress,
         mut idle: impl FnMut(State),
+        there: impl Fn(&Params) -> Option<u64>,
     ) -> Work {
         let mut wanted = self.lock();
         loop {
-            let now = self.epoch.load(Ordering::Acquire);
+            let (epoch, beside) = (self.epoch.load(Ordering::Acquire), self.beside());
+            let turn = |role| {
+                let number = if role == Role::Beside { beside } else { epoch };
+                Turn { role, epoch: number, orders: self.orders.load(Ordering::Acquire) }
+            };
+            let (limit, paused) = (self.limit(), self.paused.load(Ordering::Acquire));
             if self.stopped.load(Ordering::Acquire) {
                 return Work::Stop;
-            } else if now != epoch {
-                return Work::Start(now, Box::new(wanted.clone()));
-            } else if failed {
-                // Told already; the next epoch starts afresh.
-            } else if passes >= self.limit() {
-                idle(State::Done);
-            } else if self.paused.load(Ordering::Acquire) {
-                idle(State::Paused);
-            } else {
-                return Work::Continue;
+            } else if epoch != at.epoch {
+                let discard = std::mem::take(&mut wanted.discard);
+                return Work::Start(turn(Role::Shown), Box::new(wanted.params.clone()), discard);
+            } else if beside != at.beside {
+                let params = wanted.beside.clone().map(Box::new);
+                return Work::StartBeside(turn(Role::Beside), params);
+            }
+            let shown = (!at.failed && !paused && at.passes < limit).then_some(at.passes);
+            let other = at.beside_passes.filter(|&passes| !paused && passes < limit);
+            match (shown, other) {
+                (Some(a), Some(b)) if b < a => {
+                    return Work::Beside(turn(Role::Beside), yield_at(a));
+                }
+                (Some(_), Some(b)) => return Work::Shown(turn(Role::Shown), yield_at(b)),
+                (Some(_), None) => return Work::Shown(turn(Role::Shown), u64::MAX),
+                (None, Some(_)) => return Work::Beside(turn(Role::Beside), u64::MAX),
+                (None, None) => {}
+            }
+            if !at.failed {
+                idle(if at.passes >= limit { State::Done } else { State::Paused });
+                let next = wanted.background.iter().find(|p| there(p).is_some_and(|n| n < limit));
+                if let Some(params) = next {
+                    return Work::Background(turn(Role::Background), Box::new(params.clone()));
+                }
             }
             wanted = self.changed.wait(wanted).unwrap_or_else(PoisonError::into_inner);
         }
     }
+}
+
+/// Passes at which a picture leaves the workers to another that has so many: the two are to look as
+/// if they were traced at once.
+fn yield_at(passes: u64) -> u64 {
+    passes + (passes / 16).clamp(1, 16)
 }
 
 /// Renders `passes` passes and returns the finished picture: the way without a window.

@@ -83,6 +83,13 @@ pub struct TileImage {
     pub block: u32,
 }
 
+impl TileImage {
+    /// Bytes of memory that it holds.
+    pub(super) fn bytes(&self) -> usize {
+        8 * self.samples.capacity() + 12 * (self.mean.capacity() + self.standard_error.capacity())
+    }
+}
+
 /// Counts over the epoch so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {

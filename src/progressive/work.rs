@@ -3,18 +3,19 @@
 #[cfg(test)]
 mod tests;
 
+use super::accumulator::whole_passes;
 use super::canvas::Canvas;
-use super::epoch::{Epoch, Own, failure};
-use super::kept::Kept;
+use super::epoch::{Epoch, Own};
+use super::first_hits::FirstHitCache;
 use super::outlet::Outlet;
 use super::session::{Options, Shared};
+use super::turn::{Role, Turn};
 use super::{Counts, Params, ParamsError, State, TILE, pilot, plan};
 use crate::film::Film;
 use crate::trace::{Deal, FirstHits, Group, Round, Scratch};
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::ops::Range;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -39,25 +40,34 @@ const PREVIEW_STEP: u32 = 4;
 const PREVIEW_GROUP: Group = Group::Sixteen;
 
 /// What a driver has from one epoch to the next besides the films.
-struct Store {
+pub(super) struct Store {
     canvas: Canvas,
     /// Of the next preview.
     preview_paths: u64,
-    kept: Kept,
+    first_hits: FirstHitCache,
 }
 
 impl Default for Store {
     fn default() -> Store {
-        let (canvas, kept) = (Canvas::default(), Kept::default());
-        Store { canvas, preview_paths: PREVIEW_PATHS, kept }
+        let (canvas, first_hits) = (Canvas::default(), FirstHitCache::default());
+        Store { canvas, preview_paths: PREVIEW_PATHS, first_hits }
     }
 }
 
 /// What a driver is to do next.
 pub(super) enum Work {
     Stop,
-    Start(u64, Box<Params>),
-    Continue,
+    /// Shows a picture of other parameters, or of the same ones anew; whether what was shown is to be
+    /// thrown away.
+    Start(Turn, Box<Params>, bool),
+    /// Has a picture of these beside it, or none.
+    StartBeside(Turn, Option<Box<Params>>),
+    /// Traces, up to this number of passes.
+    Shown(Turn, u64),
+    /// The same of the picture beside.
+    Beside(Turn, u64),
+    /// Traces a picture of these as long as nothing else is wanted.
+    Background(Turn, Box<Params>),
 }
 
 /// Passes that are traced at once, and what is kept of the first one.
@@ -72,8 +82,9 @@ struct Rounds<'a> {
 
 pub(super) struct Workers {
     options: Options,
-    shared: Arc<Shared>,
-    outlet: Outlet,
+    pub(super) shared: Arc<Shared>,
+    /// For the picture that is shown, and for the one beside.
+    outlets: [Outlet; 2],
     pool: ThreadPool,
     /// Samples to be traced in [`WAVE_TIME`], as far as is known.
     wave: AtomicU64,
@@ -83,7 +94,7 @@ impl Workers {
     pub(super) fn new(
         options: Options,
         shared: Arc<Shared>,
-        outlet: Outlet,
+        outlets: [Outlet; 2],
     ) -> Result<Workers, ParamsError> {
         let pool = ThreadPoolBuilder::new()
             .num_threads(options.threads)
@@ -94,55 +105,16 @@ impl Workers {
                 reason: e.to_string(),
             })?;
         let wave = AtomicU64::new(WAVE_LEAST * pool.current_num_threads() as u64);
-        Ok(Workers { options, shared, outlet, pool, wave })
+        Ok(Workers { options, shared, outlets, pool, wave })
     }
 
-    /// The driver's thread: until the handle is dropped.
-    pub(super) fn drive(self) {
-        let mut films: Vec<Film> = Vec::new();
-        let mut store = Store::default();
-        let mut now: Option<Epoch> = None;
-        let mut failed = false;
-        loop {
-            let (number, passes) = match &now {
-                Some(epoch) => (epoch.number, whole_passes(&films)),
-                None => (0, 0),
-            };
-            let idle = |state| {
-                if let Some(epoch) = &now {
-                    self.outlet.send(|| epoch.snapshot(state, passes));
-                }
-            };
-            match self.shared.wait(number, passes, failed, idle) {
-                Work::Stop => return,
-                Work::Continue => {}
-                Work::Start(number, params) => {
-                    // Old sums are cleared by the workers, tile by tile, when they come to them.
-                    let epoch = Epoch::new(number, *params, self.pool.current_num_threads());
-                    films.resize_with(epoch.grid.len(), Film::default);
-                    films.truncate(epoch.grid.len());
-                    retire(&epoch, &mut films);
-                    now = Some(epoch);
-                    failed = false;
-                }
-            }
-            let Some(epoch) = &now else { continue };
-            let outcome =
-                catch_unwind(AssertUnwindSafe(|| self.run(epoch, &mut films, &mut store)));
-            if let Err(panic) = outcome {
-                let reason = failure(epoch, panic.as_ref());
-                self.outlet.send(|| epoch.snapshot(State::Failed(reason), whole_passes(&films)));
-                failed = true;
-            }
-        }
-    }
-
-    /// Traces until the pass limit or an interruption.
-    fn run(&self, epoch: &Epoch, films: &mut [Film], store: &mut Store) {
+    /// Traces until the pass limit, until others are to have the workers, or until an interruption.
+    pub(super) fn run(&self, epoch: &Epoch, films: &mut [Film], store: &mut Store, until: u64) {
         epoch.clock(true);
-        store.kept.renew(&epoch.params);
-        let goes_on = || self.shared.goes_on(epoch.number);
-        if self.options.preview && whole_passes(films) == 0 {
+        store.first_hits.renew(&epoch.params);
+        let beside = self.shared.beside();
+        let goes_on = || self.shared.goes_on(epoch.turn) && self.shared.beside() == beside;
+        if self.options.preview && epoch.turn.role == Role::Shown && whole_passes(films) == 0 {
             self.preview(epoch, store);
         }
         let Some(group) = self.group(epoch) else { return epoch.clock(false) };
@@ -150,7 +122,7 @@ impl Workers {
         while goes_on() {
             let done = whole_passes(films);
             let at_once = done.clamp(1, BATCH).min((self.wave() / pixels).max(1));
-            let mut target = (done + at_once).min(self.shared.limit());
+            let mut target = (done + at_once).min(self.shared.limit()).min(until);
             if done >= target {
                 break;
             }
@@ -167,7 +139,7 @@ impl Workers {
             }
             // The first whole pass is worth showing whenever it comes.
             if done == 0 && whole_passes(films) > 0 {
-                self.outlet.send(|| epoch.snapshot(State::Running, whole_passes(films)));
+                self.send(epoch, State::Running, whole_passes(films));
             }
         }
         self.pool.install(|| {
@@ -198,7 +170,7 @@ impl Workers {
         &self,
         epoch: &Epoch,
         films: &mut [Film],
-        Store { canvas, kept, .. }: &mut Store,
+        Store { canvas, first_hits: cache, .. }: &mut Store,
         passes: Range<u64>,
         group: Group,
     ) {
@@ -207,7 +179,7 @@ impl Workers {
             passes.clone().map(|pass| Deal::new(size, seed, pass, group)).collect();
         // Only who edits comes back to the first pass.
         let first_hits = match passes {
-            Range { start: 0, end: 1 } if self.options.preview => kept.round(1, group, &deals[0]),
+            Range { start: 0, end: 1 } if self.options.preview => cache.round(1, group, &deals[0]),
             _ => &[],
         };
         canvas.prepare(size, deals.len());
@@ -257,13 +229,14 @@ impl Workers {
                 let worker = rayon::current_thread_index().unwrap_or(0);
                 let mut own = epoch.own[worker].lock().unwrap_or_else(PoisonError::into_inner);
                 let before = film.passes();
-                while film.passes() < target && self.shared.goes_on(epoch.number) {
-                    let wanted = || self.shared.is_wanted(epoch.number);
+                while film.passes() < target && self.shared.goes_on(epoch.turn) {
+                    let wanted = || self.shared.is_wanted(epoch.turn);
                     let own = &mut own;
-                    let Some(n) = epoch.uneven_pass(index, film, &plan, group, own, &wanted) else {
-                        return;
-                    };
+                    let (n, whole) = epoch.uneven_pass(index, film, &plan, group, own, &wanted);
                     samples.fetch_add(n, Ordering::Relaxed);
+                    if !whole {
+                        return;
+                    }
                 }
                 drop(own);
                 if film.passes() == before {
@@ -280,6 +253,10 @@ impl Workers {
             let waves = start.elapsed().as_secs_f64() / WAVE_TIME.as_secs_f64();
             self.wave.store((samples as f64 / waves.max(1e-6)) as u64, Ordering::Relaxed);
         }
+    }
+
+    pub(super) fn threads(&self) -> usize {
+        self.pool.current_num_threads()
     }
 
     /// Samples that are worth tracing before the next look.
@@ -340,7 +317,7 @@ impl Workers {
         let finished = AtomicBool::new(true);
         self.pool.install(|| {
             tasks.into_par_iter().with_max_len(1).for_each(|task| {
-                if !self.shared.goes_on(epoch.number) {
+                if !self.shared.goes_on(epoch.turn) {
                     finished.store(false, Ordering::Relaxed);
                     return;
                 }
@@ -355,7 +332,7 @@ impl Workers {
 
     /// Blocks of pixels in the colour of one sample each, ever finer.
     fn preview(&self, epoch: &Epoch, store: &mut Store) {
-        let Store { canvas, preview_paths: most, kept } = store;
+        let Store { canvas, preview_paths: most, first_hits: cache } = store;
         let Params { size, seed, .. } = epoch.params;
         let coarse = |block: u32| size.map(|side| side.div_ceil(block));
         let paths = |block: u32| coarse(block).map(u64::from).iter().product::<u64>();
@@ -363,14 +340,14 @@ impl Workers {
         while paths(block) > *most {
             block *= 2;
         }
-        while block > 1 && self.shared.goes_on(epoch.number) {
+        while block > 1 && self.shared.goes_on(epoch.turn) {
             let apart = epoch.group.get() == Some(&Group::None);
             let group = if apart { Group::None } else { PREVIEW_GROUP };
             let deal = Deal::new(coarse(block), seed, 0, group);
             canvas.prepare(coarse(block), 1);
             let [columns, rows] = deal.bundles();
             let tasks = (0..rows).flat_map(|y| (0..columns).map(move |x| [x, y])).collect();
-            let first_hits = kept.round(block, group, &deal);
+            let first_hits = cache.round(block, group, &deal);
             let start = Instant::now();
             let whole = self.for_each_task(epoch, tasks, &|at, own| {
                 let put = &mut |pixel, sample| canvas.put(0, pixel, sample);
@@ -388,8 +365,17 @@ impl Workers {
                     .into_par_iter()
                     .for_each(|index| epoch.show_preview(index, canvas, block))
             });
-            self.outlet.send(|| epoch.snapshot(State::Running, 0));
+            self.send(epoch, State::Running, 0);
             block /= PREVIEW_STEP;
+        }
+    }
+
+    /// Leaves a snapshot for whoever looks at this picture.
+    pub(super) fn send(&self, epoch: &Epoch, state: State, passes: u64) {
+        match epoch.turn.role {
+            Role::Shown => self.outlets[0].send(|| epoch.snapshot(state, passes)),
+            Role::Beside => self.outlets[1].send(|| epoch.snapshot(state, passes)),
+            Role::Background => {}
         }
     }
 
@@ -400,18 +386,6 @@ impl Workers {
             return;
         }
         *last = Instant::now();
-        self.outlet.send(|| epoch.snapshot(State::Running, epoch.passes_shown()));
+        self.send(epoch, State::Running, epoch.passes_shown());
     }
-}
-
-/// Has every tile's film begin anew.
-fn retire(epoch: &Epoch, films: &mut [Film]) {
-    for (index, film) in films.iter_mut().enumerate() {
-        let rect = epoch.grid.rect(index);
-        film.retire(rect.width(), rect.area());
-    }
-}
-
-fn whole_passes(films: &[Film]) -> u64 {
-    films.iter().map(Film::passes).min().unwrap_or(0)
 }

@@ -274,6 +274,13 @@ impl Tracer {
         self.method.is_the_engines(model) && self.max_depth > 1
     }
 
+    /// About how many bytes of memory it holds beside the scene's: what was made of lights and
+    /// materials.
+    pub fn bytes(&self) -> usize {
+        // A material's record in the tables and for the reference tracer.
+        self.lights.bytes() + self.surfaces.len() * 2 * size_of::<Surface>()
+    }
+
     /// Memory for one worker.
     pub fn scratch(&self) -> Scratch {
         let stack = self.scene.bvh().stack();

@@ -4,6 +4,7 @@
 use super::*;
 use crate::brdf::Model;
 use crate::film::ErrorEstimate;
+use crate::progressive::accumulator::Accumulator;
 use crate::progressive::{Snapshot, render};
 use crate::scene::{Camera, Material, SceneBuilder};
 use crossbeam_channel::bounded;
@@ -31,25 +32,39 @@ fn params(clay: bool) -> Params {
     Params { group: Some(Group::Sixteen), ..Params::new(Arc::new(b.build())) }
 }
 
+/// An empty one of the picture that is shown.
+fn accumulator(params: Params, threads: usize) -> Accumulator {
+    let turn = Turn { role: Role::Shown, epoch: 1, orders: 0 };
+    Accumulator::new(Epoch::new(turn, params, threads), Vec::new())
+}
+
+/// Outlets that nobody listens to.
+fn quiet() -> [Outlet; 2] {
+    [(); 2].map(|()| {
+        let (sender, receiver) = bounded(1);
+        Outlet::new(sender, receiver, Box::new(|| ()))
+    })
+}
+
 /// Rendered with a pause at every snapshot, which with this interval is after every band of tiles.
 /// Waves are as short as they can be, so that a pause leaves the upper rows with more passes than the
 /// others, and as long as they can be, so that many passes are traced at once, in turn.
 fn interrupted(params: &Params, threads: usize) -> Snapshot {
-    let options = Options { threads, preview: false, interval: Duration::ZERO };
-    let shared = Arc::new(Shared::new(params.clone(), PASSES, options.interval));
-    let (sender, receiver) = bounded(1);
-    let pausing = shared.clone();
-    let outlet = Outlet::new(sender, receiver, Box::new(move || pausing.pause(true)));
-    let workers = Workers::new(options, shared.clone(), outlet).unwrap();
-    let epoch = Epoch::new(1, params.clone(), threads);
-    let mut films = vec![Film::default(); epoch.grid.len()];
-    retire(&epoch, &mut films);
+    let options = Options { threads, preview: false, interval: Duration::ZERO, keep: 0 };
+    let shared = Arc::new(Shared::new(params.clone(), PASSES, options));
+    let outlets = [(); 2].map(|()| {
+        let (sender, receiver) = bounded(1);
+        let pausing = shared.clone();
+        Outlet::new(sender, receiver, Box::new(move || pausing.pause(true)))
+    });
+    let workers = Workers::new(options, shared.clone(), outlets).unwrap();
+    let Accumulator { epoch, mut films } = accumulator(params.clone(), threads);
     let mut store = Store::default();
     let mut uneven = 0;
     for turn in 0.. {
         workers.wave.store([0, u64::MAX][turn % 2], Ordering::Relaxed);
         shared.pause(false);
-        workers.run(&epoch, &mut films, &mut store);
+        workers.run(&epoch, &mut films, &mut store, u64::MAX);
         let least = whole_passes(&films);
         if least == PASSES {
             break;
@@ -95,7 +110,8 @@ fn a_pause_within_a_pass_leaves_no_trace() {
 /// is that of a fresh start, and the rays of the first pass are not traced twice.
 #[test]
 fn first_hits_are_kept_from_edit_to_edit() {
-    let options = Options { threads: 2, preview: true, interval: Duration::from_millis(50) };
+    let options =
+        Options { threads: 2, preview: true, interval: Duration::from_millis(50), keep: 0 };
     let start = params(true);
     let edits: [&dyn Fn(&mut Params); 5] = [
         &|_| (),
@@ -104,18 +120,14 @@ fn first_hits_are_kept_from_edit_to_edit() {
         &|p| p.camera = Camera::look_at(DVec3::ZERO, DVec3::new(0.1, 1.0, 0.0), 0.8).unwrap(),
         &|p| p.seed = 7,
     ];
-    let shared = Arc::new(Shared::new(start.clone(), 1, options.interval));
-    let (sender, receiver) = bounded(1);
-    let outlet = Outlet::new(sender, receiver, Box::new(|| ()));
-    let workers = Workers::new(options, shared, outlet).unwrap();
+    let shared = Arc::new(Shared::new(start.clone(), 1, options));
+    let workers = Workers::new(options, shared, quiet()).unwrap();
     let (mut store, mut params) = (Store { preview_paths: 1000, ..Store::default() }, start);
     let mut traced = Vec::new();
     for edit in edits {
         edit(&mut params);
-        let epoch = Epoch::new(1, params.clone(), 2);
-        let mut films = vec![Film::default(); epoch.grid.len()];
-        retire(&epoch, &mut films);
-        workers.run(&epoch, &mut films, &mut store);
+        let Accumulator { epoch, mut films } = accumulator(params.clone(), 2);
+        workers.run(&epoch, &mut films, &mut store, u64::MAX);
         let edited = epoch.snapshot(State::Done, 1);
         let fresh = render(params.clone(), 1, 1).unwrap();
         assert!(edited.mean() == fresh.mean());
@@ -129,14 +141,10 @@ fn first_hits_are_kept_from_edit_to_edit() {
 #[test]
 fn no_row_is_left_behind_while_others_are_shown() {
     let hour = Duration::from_secs(3600);
-    let options = Options { threads: 1, preview: true, interval: hour };
-    let shared = Arc::new(Shared::new(params(true), 100, hour));
-    let (sender, receiver) = bounded(1);
-    let outlet = Outlet::new(sender, receiver, Box::new(|| ()));
-    let workers = Workers::new(options, shared, outlet).unwrap();
-    let epoch = Epoch::new(1, params(true), 1);
-    let mut films = vec![Film::default(); epoch.grid.len()];
-    retire(&epoch, &mut films);
+    let options = Options { threads: 1, preview: true, interval: hour, keep: 0 };
+    let shared = Arc::new(Shared::new(params(true), 100, options));
+    let workers = Workers::new(options, shared, quiet()).unwrap();
+    let Accumulator { epoch, mut films } = accumulator(params(true), 1);
     let mut store = Store::default();
     for pass in 0..30 {
         workers.passes(&epoch, &mut films, &mut store, pass..pass + 1, Group::None);

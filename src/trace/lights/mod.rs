@@ -74,6 +74,13 @@ struct Choice<P: Lane> {
 }
 
 impl Lights {
+    /// About how many bytes of memory it holds.
+    pub(super) fn bytes(&self) -> usize {
+        // A light has a record, its place in it, and two nodes of the tree.
+        let light = size_of::<f32>() * (FIELDS + 2 * tree::RECORD) + 64;
+        self.links.len() * light + self.light_of.len() * 4 + self.ranges.len() * 12
+    }
+
     /// Those of a scene with these materials; `equally` has each asked as often as the others,
     /// wherever it is.
     pub(super) fn new(scene: &Scene, materials: &[Material], equally: bool) -> Lights {

@@ -22,7 +22,7 @@ const BINS: usize = 12;
 const CAREFUL: u32 = 32;
 
 /// Two bounds and two links.
-const RECORD: usize = 2 * FIELDS + 2;
+pub(super) const RECORD: usize = 2 * FIELDS + 2;
 
 /// Lights below their nodes.
 #[derive(Debug)]

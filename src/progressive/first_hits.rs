@@ -13,7 +13,7 @@ const ROUNDS: usize = 4;
 
 /// First hits of the first pass and of the previews before it.
 #[derive(Default)]
-pub(super) struct Kept {
+pub(super) struct FirstHitCache {
     of: Option<(Arc<Scene>, Camera, [u32; 2], u64)>,
     rounds: Vec<Round>,
 }
@@ -25,7 +25,7 @@ struct Round {
     bundles: Vec<FirstHits>,
 }
 
-impl Kept {
+impl FirstHitCache {
     /// Forgets what is of no use to these parameters.
     pub(super) fn renew(&mut self, params: &Params) {
         let Params { scene, camera, size, seed, .. } = params;

@@ -1,0 +1,178 @@
+//! The driver: a thread that deals the workers' time to the pictures that are wanted.
+
+#[cfg(test)]
+mod tests;
+
+use super::accumulator::{Accumulator, AccumulatorCache};
+use super::epoch::{Epoch, failure};
+use super::session::Progress;
+use super::turn::Turn;
+use super::work::{Store, Work, Workers};
+use super::{Params, State};
+use crate::film::Film;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+pub(super) struct Driver {
+    workers: Workers,
+    store: Store,
+    shown: Option<Accumulator>,
+    beside: Option<Accumulator>,
+    /// Those that are not in use.
+    cache: AccumulatorCache,
+    /// Films whose samples are of no use any more, but whose memory is.
+    spare: Vec<Film>,
+    at: Progress,
+    /// What was last told of the picture that is shown while it was at rest.
+    told: Option<(Progress, State)>,
+    /// Parameters that fail: not to be tried in the background again.
+    faulty: Vec<Params>,
+}
+
+impl Driver {
+    pub(super) fn new(workers: Workers) -> Driver {
+        Driver {
+            workers,
+            store: Store::default(),
+            shown: None,
+            beside: None,
+            cache: AccumulatorCache::default(),
+            spare: Vec::new(),
+            at: Progress::default(),
+            told: None,
+            faulty: Vec::new(),
+        }
+    }
+
+    /// Until the handle is dropped.
+    pub(super) fn drive(mut self) {
+        loop {
+            self.cache.set_limit(self.workers.shared.keep());
+            self.workers.shared.tell_kept(self.cache.size());
+            match self.next() {
+                Work::Stop => return,
+                Work::Start(turn, params, discard) => self.start(turn, *params, discard),
+                Work::StartBeside(turn, params) => self.start_beside(turn, params.map(|p| *p)),
+                Work::Shown(turn, until) => {
+                    self.told = None;
+                    let Some(mut shown) = self.shown.take() else { continue };
+                    shown.epoch.turn = turn;
+                    self.at.failed = !self.run(&mut shown, until);
+                    self.at.passes = shown.passes();
+                    self.shown = Some(shown);
+                }
+                Work::Beside(turn, until) => {
+                    let Some(mut beside) = self.beside.take() else { continue };
+                    beside.epoch.turn = turn;
+                    let good = self.run(&mut beside, until);
+                    self.at.beside_passes = good.then(|| beside.passes());
+                    self.beside = Some(beside);
+                }
+                Work::Background(turn, params) => self.in_the_background(turn, *params),
+            }
+        }
+    }
+
+    /// What to do now, and tells that nothing is if so.
+    fn next(&mut self) -> Work {
+        let Driver { workers, shown, beside, cache, at, told, faulty, .. } = self;
+        let idle = |state: State| {
+            let news = Some((*at, state.clone()));
+            if *told == news {
+                return;
+            }
+            *told = news;
+            // Both are as far as they get.
+            for accumulator in [&*shown, &*beside].into_iter().flatten() {
+                workers.send(&accumulator.epoch, state.clone(), accumulator.passes());
+            }
+        };
+        let there = |params: &Params| {
+            let known =
+                |of: &Option<Accumulator>| of.as_ref().is_some_and(|of| of.epoch.params == *params);
+            let useless = known(shown) || known(beside) || faulty.contains(params);
+            (!useless && cache.has_room_for(params)).then(|| cache.passes(params))
+        };
+        workers.shared.wait(*at, idle, there)
+    }
+
+    /// Shows a picture of these parameters: of what there is of them.
+    fn start(&mut self, turn: Turn, params: Params, discard: bool) {
+        if let Some(old) = self.shown.take() {
+            match discard {
+                true => self.spare = old.films,
+                false => self.put_aside(old),
+            }
+        }
+        if self.beside.as_ref().is_some_and(|beside| beside.epoch.params == params) {
+            self.beside.take().into_iter().for_each(|beside| self.put_aside(beside));
+            self.at.beside_passes = None;
+        }
+        self.faulty.clear();
+        let shown = self.accumulator(turn, params);
+        self.at = Progress { epoch: turn.epoch, passes: shown.passes(), failed: false, ..self.at };
+        if self.at.passes > 0 {
+            self.workers.send(&shown.epoch, State::Running, self.at.passes);
+        }
+        self.shown = Some(shown);
+        self.told = None;
+    }
+
+    /// Has a picture of these parameters beside it.
+    fn start_beside(&mut self, turn: Turn, params: Option<Params>) {
+        if let Some(old) = self.beside.take() {
+            self.put_aside(old);
+        }
+        self.at.beside = turn.epoch;
+        let shown = self.shown.as_ref().map(|shown| &shown.epoch.params);
+        let beside = params.filter(|params| shown != Some(params));
+        self.beside = beside.map(|params| self.accumulator(turn, params));
+        self.at.beside_passes = self.beside.as_ref().map(Accumulator::passes);
+        if let Some(beside) = self.beside.as_ref().filter(|beside| beside.passes() > 0) {
+            self.workers.send(&beside.epoch, State::Running, beside.passes());
+        }
+    }
+
+    fn in_the_background(&mut self, turn: Turn, params: Params) {
+        let mut accumulator = self.accumulator(turn, params);
+        if self.run(&mut accumulator, u64::MAX) {
+            self.put_aside(accumulator);
+        } else {
+            self.faulty.push(accumulator.epoch.params);
+        }
+    }
+
+    fn put_aside(&mut self, accumulator: Accumulator) {
+        if let Some(films) = self.cache.put(accumulator) {
+            self.spare = films;
+        }
+    }
+
+    /// What there is of these parameters, ready to be traced.
+    fn accumulator(&mut self, turn: Turn, params: Params) -> Accumulator {
+        let threads = self.workers.threads();
+        if let Some(mut kept) = self.cache.take(&params) {
+            kept.epoch.wake(turn, threads);
+            return kept;
+        }
+        if self.spare.is_empty() {
+            self.cache.make_room(params.bytes());
+        }
+        let films = std::mem::take(&mut self.spare);
+        Accumulator::new(Epoch::new(turn, params, threads), films)
+    }
+
+    /// Traces; false if that failed, which is then told.
+    fn run(&mut self, of: &mut Accumulator, until: u64) -> bool {
+        let Driver { workers, store, .. } = self;
+        let Accumulator { epoch, films } = &mut *of;
+        let traced = AssertUnwindSafe(|| workers.run(epoch, films, store, until));
+        match catch_unwind(traced) {
+            Ok(()) => true,
+            Err(panic) => {
+                let reason = failure(&of.epoch, panic.as_ref());
+                workers.send(&of.epoch, State::Failed(reason), of.passes());
+                false
+            }
+        }
+    }
+}
