@@ -107,7 +107,7 @@ sphere 2 -4 4 0.7
 SCENE
 
 begin --size 1280x720 --dark
-focus "A wentletrap"
+focus "Brass knot"
 shot start
 
 key ctrl+o
@@ -174,7 +174,7 @@ tr -d '\n' <config/burnish/window.json |
     sed 's/"position": *\(null\|\[[^]]*\]\)/"position": [5000, 5000]/' >new
 mv new config/burnish/window.json
 begin
-focus "A wentletrap"
+focus "Brass knot"
 eval "$(xdotool getwindowgeometry --shell "$window")"
 [ "$X" -lt 1280 ] && [ "$Y" -lt 720 ] || fail "the window is out of sight, at $X, $Y"
 [ "${WIDTH}x$HEIGHT" = 1280x720 ] || fail "the window is ${WIDTH}x$HEIGHT, not as it was"

@@ -234,12 +234,14 @@ fn a_model_alone_becomes_a_scene_if_one_material_is_all_it_has() {
     let scene = open(&at("t.ply")).unwrap().0.build();
     let red = Material { name: "grey".into(), ..reflecting([0.5, 0.0, 0.0], [0.1; 3], 55.0) };
     let camera = scene.camera();
-    let text = scn(&scene, std::slice::from_ref(&red), &camera, [40, 30], folder.path()).unwrap();
+    // After the model's own material come those of its stage.
+    let materials = [&[red][..], &scene.materials()[1..]].concat();
+    let text = scn(&scene, &materials, &camera, [40, 30], folder.path()).unwrap();
     fs::write(at("t.scn"), text).unwrap();
     let (builder, report) = open(&at("t.scn")).unwrap();
     assert_eq!(report.warnings, []);
     let back = builder.build();
-    assert_same_materials(back.materials(), &[red]);
+    assert_same_materials(back.materials(), &materials);
     assert_eq!(back.camera(), camera);
     assert_eq!((back.counts(), back.environment()), (scene.counts(), scene.environment()));
 

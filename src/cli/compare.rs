@@ -41,10 +41,14 @@ pub(super) struct Args {
     /// Writes where a person sees a difference (FLIP), from black, not at all, to pale yellow.
     #[arg(long, value_name = "FILE", value_parser = values::picture)]
     flip: Option<PathBuf>,
-    /// Exposure in stops at which FLIP sees both, -30 to 30.
+    /// Difference in percent of the display's range, 255 codes, beyond which a pixel counts as
+    /// changed.
+    #[arg(long, value_name = "PERCENT", default_value = "4", value_parser = values::percent)]
+    threshold: f64,
+    /// Exposure in stops at which FLIP and the changed pixels are seen, -30 to 30.
     #[arg(long, value_name = "EV", default_value = "0", value_parser = values::exposure)]
     exposure: f32,
-    /// Tone curve through which FLIP sees both.
+    /// Tone curve through which FLIP and the changed pixels are seen.
     #[arg(long, value_name = "CURVE", default_value = "srgb", value_parser = values::curve())]
     tone: Curve,
 }
@@ -124,6 +128,10 @@ fn print_measures(args: &Args, pair: &Pair, seen: &Result<Flip, String>) -> Resu
             row("    +- interval", &figure(margin), how)?;
         }
     }
+    let tone = Tone { exposure: args.exposure, curve: args.tone };
+    let changed = difference::changed(pair, tone, 0.01 * args.threshold);
+    let formula = format!("{} than {} % of 255", difference::CHANGED_FORMULA, args.threshold);
+    row("changed pixels", &figure(changed), &formula)?;
     for (name, flip, formula) in
         [("FLIP", seen, flip::FORMULA), ("HDR-FLIP", &Flip::hdr(pair), flip::HDR_FORMULA)]
     {

@@ -1,16 +1,17 @@
 //! `burnish info`: what a picture was made of, or what is in a scene.
 
-use super::{Failure, print, scene, talk};
+use super::{Failure, print, scene, talk, values};
 use crate::shell::{file as file_of, line as line_of, quoted};
 use burnish::picture::{Format, contents as picture_contents, read_recipe_of};
 use burnish::plain;
 use burnish::progressive::{MaterialRecipe, Recipe, RecipeError};
-use burnish::scene::{Material, Report, Scene, SourceFile};
+use burnish::scene::presets::PRESETS;
+use burnish::scene::{Axis, Material, Report, Scene, SourceFile};
 use serde::Serialize;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
-/// Tells how a picture was made, or what is in a scene.
+/// Tells how a picture was made, or what is in a scene, or which material presets there are.
 ///
 /// Pictures that burnish writes carry their recipe: all that is needed to make them again, and how
 /// far they are from the truth.
@@ -19,10 +20,13 @@ use std::path::{Path, PathBuf};
   burnish info table.png                    how it was made, and the command that makes it again
   burnish info table.exr --json             the same for a script
   burnish info table.png --scene > new.scn  its scene, with the materials and camera of the picture
-  burnish info cornell                      what is in a scene: shapes, materials, warnings")]
+  burnish info cornell                      what is in a scene: shapes, materials, warnings
+  burnish info bunny.ply --up y             a model, stood on another of its sides
+  burnish info --presets                    gold, copper, ...: Kd, Ks, alpha and where they come from")]
 pub(super) struct Args {
     /// Picture (.png, .exr) written by burnish, scene (.scn, .obj, .ply), or shipped scene's name.
-    file: PathBuf,
+    #[arg(required_unless_present = "presets")]
+    file: Option<PathBuf>,
     /// Prints JSON instead of text.
     #[arg(long)]
     json: bool,
@@ -33,19 +37,35 @@ pub(super) struct Args {
     /// recipe.
     #[arg(long, value_name = "NAME")]
     part: Option<String>,
+    /// The axis of an OBJ or PLY file that points up, instead of the one that is guessed.
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, value_parser = values::axis())]
+    up: Option<Axis>,
+    /// Prints the material presets: Kd and Ks in linear Rec. 709, a roughness alpha, and their source.
+    #[arg(long, conflicts_with_all = ["file", "json", "scene", "part", "up"])]
+    presets: bool,
 }
 
 /// Finds out and prints.
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let path = args.file.as_path();
+    let Some(path) = args.file.as_deref() else { return presets() };
     if Format::of(path).is_ok() {
         picture(path, args)
     } else if args.scene || args.part.is_some() {
         let (path, option) = (plain::path(path), if args.scene { "--scene" } else { "--part" });
         Err(Failure::new(format_args!("{path}: {option} is about pictures: .png or .exr files")))
     } else {
-        describe_scene(path, args.json)
+        describe_scene(path, args)
     }
+}
+
+/// The material presets, a line each.
+fn presets() -> Result<(), Failure> {
+    for preset in &PRESETS {
+        let [kd, ks] = [preset.kd, preset.ks].map(|c| c.map(|x| format!("{x:<6}")).concat());
+        let (name, alpha) = (preset.name, preset.alpha);
+        print(format_args!("{name:<10} Kd {kd} Ks {ks} alpha {alpha:<5} {}", preset.source))?;
+    }
+    Ok(())
 }
 
 fn picture(path: &Path, args: &Args) -> Result<(), Failure> {
@@ -208,6 +228,9 @@ fn again(path: &Path, recipe: &Recipe) -> String {
 #[derive(Serialize)]
 struct Contents<'a> {
     name: &'a str,
+    caption: Option<&'a str>,
+    /// The axis of a model's file that points up.
+    up: Option<&'static str>,
     triangles: usize,
     spheres: usize,
     cylinders: usize,
@@ -224,16 +247,19 @@ struct Contents<'a> {
     notes: &'a [String],
 }
 
-fn describe_scene(path: &Path, json: bool) -> Result<(), Failure> {
-    let (builder, mut report) = scene::read(Some(path))?;
+fn describe_scene(path: &Path, args: &Args) -> Result<(), Failure> {
+    let (builder, mut report) = scene::read(Some(path), args.up)?;
     let scene = builder.try_build().map_err(Failure::new)?;
     scene.report(&mut report);
-    if json {
+    if args.json {
         let contents = contents(&scene, &report);
         return print(serde_json::to_string_pretty(&contents).map_err(Failure::new)?);
     }
     let counts = scene.counts();
     line("scene", scene.name())?;
+    if let Some(caption) = scene.caption() {
+        line("caption", caption)?;
+    }
     for SourceFile { name, bytes, sha256, .. } in &scene.source().files {
         line("", file_line(name, *bytes, sha256))?;
     }
@@ -252,6 +278,9 @@ fn describe_scene(path: &Path, json: bool) -> Result<(), Failure> {
     line("camera", scene.camera().scn_line().trim_start_matches("camera "))?;
     let [low, high] = scene.bounds();
     line("bounds", format_args!("{low} to {high}"))?;
+    if let Some(up) = scene.source().up {
+        line("up", format_args!("{} of its file", up.name()))?;
+    }
     if scene.environment() != [0.0; 3] {
         let [r, g, b] = scene.environment();
         line("sky", format_args!("{r} {g} {b} W/(m\u{b2} sr)"))?;
@@ -278,6 +307,8 @@ fn contents<'a>(scene: &'a Scene, report: &'a Report) -> Contents<'a> {
     let materials = scene.materials().iter().enumerate();
     Contents {
         name: scene.name(),
+        caption: scene.caption(),
+        up: source.up.map(Axis::name),
         triangles: counts.triangles,
         spheres: counts.spheres,
         cylinders: counts.cylinders,

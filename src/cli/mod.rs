@@ -27,6 +27,7 @@ mod values;
 mod window;
 
 use burnish::plain;
+use burnish::scene::builtin::{EXAMPLES as EXAMPLE_SCENES, Example};
 use clap::{CommandFactory, Parser, Subcommand};
 use std::fmt::Display;
 use std::io::{self, Write};
@@ -46,11 +47,20 @@ fn limits() -> String {
     format!("Limits:{}", burnish::limits::table().into_iter().map(row).collect::<String>())
 }
 
+/// The shipped scenes, each with what to look for in it.
+fn scenes() -> String {
+    let row = |scene: &Example| {
+        let caption = scene.caption().unwrap_or(scene.shows);
+        format!("\n  {:<8} {caption}", scene.name)
+    };
+    format!("Shipped scenes:{}", EXAMPLE_SCENES.iter().map(row).collect::<String>())
+}
+
 /// Shows how Phong, Beckmann and GGX surfaces look, in a path-traced picture that gets better as
 /// you watch. Without a subcommand it opens the window.
 #[derive(Debug, Parser)]
 #[command(name = "burnish", version)]
-#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", limits()))]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}\n\n{}", scenes(), limits()))]
 struct Args {
     /// Says nothing but errors.
     #[arg(short, long, global = true, conflicts_with = "verbose")]

@@ -48,7 +48,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         let pass = args.pass;
         misused(format_args!("there is no pass {pass} of {passes}: passes are counted from 0"));
     }
-    let loaded = scene::load_for(Some(&args.scene), args.settings.isa)?;
+    let loaded = scene::load_for(Some(&args.scene), args.settings.isa, args.settings.up)?;
     let params = args.settings.params(&loaded.scene, args.model);
     params.check().map_err(Failure::new)?;
     warn(&params);

@@ -67,7 +67,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "EV", default_value = "0",
           value_parser = values::exposure)]
     exposure: f32,
-    /// How PNG files bring bright values into range, each channel on its own.
+    /// How PNG files bring bright values into range: neutral keeps the hue and shape of highlights and
+    /// is what the window shows, srgb clips each channel, so that what is below 1 is exact.
     #[arg(long, value_name = "CURVE", default_value = "srgb", value_parser = values::curve())]
     tone: Curve,
     /// Writes times, counts and the mean as JSON.
@@ -88,7 +89,11 @@ pub(super) fn run(args: &Args, mut started: Instant) -> Result<(), Failure> {
     interrupt::listen()?;
     let mut done = 0;
     for jobs_of_scene in jobs.chunk_by(|a, b| a.scene == b.scene) {
-        let loaded = scene::load_for(jobs_of_scene[0].scene.as_deref(), args.settings.isa)?;
+        let loaded = scene::load_for(
+            jobs_of_scene[0].scene.as_deref(),
+            args.settings.isa,
+            args.settings.up,
+        )?;
         let read = loaded.scene.source().files.iter().map(|file| file.path.as_path());
         outputs::are_no_inputs(files(), read)?;
         for job in jobs_of_scene {

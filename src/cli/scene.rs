@@ -2,8 +2,10 @@
 
 use super::{Failure, talk};
 use burnish::math::lanes::Isa;
+use burnish::plain;
 use burnish::scene::builtin::{Example, default_scene};
-use burnish::scene::{Camera, Light, Report, Scene, SceneBuilder};
+use burnish::scene::read::{Disk, ReadOptions, open_with_options};
+use burnish::scene::{Axis, Camera, Light, Report, Scene, SceneBuilder};
 use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
@@ -21,13 +23,18 @@ pub(super) struct Loaded {
 /// Reads and builds the file, or the shipped scene of that name; the default scene without either.
 /// The reader's remarks go to stderr.
 pub(super) fn load(path: Option<&Path>) -> Result<Loaded, Failure> {
-    load_for(path, None)
+    load_for(path, None, None)
 }
 
-/// [`load`], to be traced with this instruction set, or the widest.
-pub(super) fn load_for(path: Option<&Path>, isa: Option<Isa>) -> Result<Loaded, Failure> {
+/// [`load`], to be traced with this instruction set, or the widest; with this axis of a model up, or
+/// the one that the reader guesses.
+pub(super) fn load_for(
+    path: Option<&Path>,
+    isa: Option<Isa>,
+    up: Option<Axis>,
+) -> Result<Loaded, Failure> {
     let start = Instant::now();
-    let (builder, mut report) = read(path)?;
+    let (builder, mut report) = read(path, up)?;
     let load_s = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let mut scene = builder.try_build().map_err(Failure::new)?;
@@ -78,7 +85,7 @@ impl fmt::Display for Loaded {
 
 /// Whether there is such a file or shipped scene, before the work for others begins.
 pub(super) fn exists(path: &Path) -> Result<(), Failure> {
-    if is_there(path) { Ok(()) } else { read(Some(path)).map(drop) }
+    if is_there(path) { Ok(()) } else { read(Some(path), None).map(drop) }
 }
 
 /// Whether there is such a file or shipped scene.
@@ -92,12 +99,23 @@ fn example(path: &Path) -> Option<&'static Example> {
 }
 
 /// Reads the same without building it; the remarks are the caller's.
-pub(super) fn read(path: Option<&Path>) -> Result<(SceneBuilder, Report), Failure> {
-    let Some(path) = path else { return default_scene().map_err(Failure::new) };
-    match example(path) {
-        Some(example) => example.read().map_err(Failure::new),
-        None => burnish::scene::read::open(path).map_err(Failure::new),
+pub(super) fn read(
+    path: Option<&Path>,
+    up: Option<Axis>,
+) -> Result<(SceneBuilder, Report), Failure> {
+    let read = match path.map(|path| (path, example(path))) {
+        None => default_scene(),
+        Some((_, Some(example))) => example.read(),
+        Some((path, None)) => {
+            open_with_options(path, &Disk::beside(path), ReadOptions { up, bare: false })
+        }
+    };
+    let (builder, report) = read.map_err(Failure::new)?;
+    if up.is_some() && builder.source.up.is_none() {
+        let name = plain::line(&builder.name);
+        talk::warning(format_args!("{name}: --up is for OBJ and PLY files; a .scn file is Z up"));
     }
+    Ok((builder, report))
 }
 
 /// The text after the keyword `camera` of a `.scn` file.

@@ -5,7 +5,7 @@ use super::{scene, values};
 use burnish::brdf::{Erratum, Model, Normals, Roughness};
 use burnish::math::lanes::Isa;
 use burnish::progressive::{Params, Strategy};
-use burnish::scene::{Camera, Scene};
+use burnish::scene::{Axis, Camera, Scene};
 use burnish::trace::Group;
 use std::sync::Arc;
 
@@ -27,6 +27,10 @@ pub(super) struct Settings {
     #[arg(long, value_name = "x y z ry ORIENT", allow_hyphen_values = true,
           value_parser = scene::camera)]
     camera: Option<Camera>,
+    /// The axis of an OBJ or PLY file that points up. Without it Y for OBJ and Z for PLY files, unless
+    /// the model has a foot at least twice as large along the other of these two.
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, value_parser = values::axis())]
+    pub(super) up: Option<Axis>,
     /// Picks one of 2^64 independent pictures.
     #[arg(long, value_name = "K", default_value_t = 0)]
     seed: u64,

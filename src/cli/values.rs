@@ -4,6 +4,7 @@ use burnish::brdf::{Erratum, Model, Normals, Roughness};
 use burnish::math::lanes::Isa;
 use burnish::picture::{Curve, Format, Tone};
 use burnish::progressive::{Params, Strategy};
+use burnish::scene::Axis;
 use burnish::trace::Group;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
@@ -59,6 +60,16 @@ pub(super) fn error(text: &str) -> Result<f64, String> {
         Ok(error)
     } else {
         Err("expected a relative error from 0.000001 to 1, such as 0.02 or 2%".into())
+    }
+}
+
+/// A part of the whole in percent.
+pub(super) fn percent(text: &str) -> Result<f64, String> {
+    let percent = number(text)?;
+    if (0.0..=100.0).contains(&percent) {
+        Ok(percent)
+    } else {
+        Err("expected a percentage from 0 to 100".into())
     }
 }
 
@@ -164,6 +175,11 @@ pub(super) fn chosen<T: Copy + PartialEq + Send + Sync + 'static, const N: usize
 /// A tone curve by its lower-case name.
 pub(super) fn curve() -> impl TypedValueParser<Value = Curve> {
     one_of(Curve::ALL, Curve::name)
+}
+
+/// An axis by its name.
+pub(super) fn axis() -> impl TypedValueParser<Value = Axis> {
+    one_of(Axis::ALL, Axis::name)
 }
 
 /// Worker threads; 0 stands for one a core.

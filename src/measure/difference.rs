@@ -1,10 +1,30 @@
 //! Where two pictures differ, in false colours.
 
 use super::error::Pair;
-use crate::picture::{NAN_COLOUR, Picture};
+use crate::picture::{NAN_COLOUR, Picture, Tone};
 
 /// What [`Difference`] shows in each pixel, in plain text: relMSE's root with a sign.
 pub const FORMULA: &str = "mean over channels of (x - r) / sqrt(r^2 + 0.01)";
+
+/// What [`changed`] counts, in plain text.
+pub const CHANGED_FORMULA: &str = "share of pixels with a channel whose code differs by more";
+
+/// The share of the pixels, 0 to 1, that differ on the screen: those with a channel whose 8-bit code,
+/// given by this tone, differs by more than `threshold` of the display's range, 255 codes. 0 without
+/// any pixel.
+pub fn changed(pair: &Pair, tone: Tone, threshold: f64) -> f64 {
+    let codes = |picture: &Picture| {
+        let mut codes = vec![[0; 3]; picture.pixels.len()];
+        tone.rgb8(&picture.pixels, &mut codes);
+        codes
+    };
+    let (x, r) = (codes(pair.picture()), codes(&pair.reference().picture));
+    let differs = |(x, r): &(&[u8; 3], &[u8; 3])| {
+        x.iter().zip(*r).any(|(x, r)| f64::from(x.abs_diff(*r)) > threshold * 255.0)
+    };
+    let count = x.iter().zip(&r).filter(differs).count();
+    count as f64 / x.len().max(1) as f64
+}
 
 /// The signed relative difference of every pixel.
 #[derive(Clone, Debug)]

@@ -4,6 +4,7 @@ mod atomic;
 mod dither;
 mod exr_file;
 mod files;
+mod neutral;
 mod primaries;
 mod tone;
 

@@ -1,16 +1,17 @@
 //! The tone curve: linear radiance becomes 8-bit sRGB codes.
 //!
-//! radiance × 2^exposure → [`Curve`], each channel on its own → sRGB transfer curve
-//! (IEC 61966-2-1) → rounded to 0..=255.
+//! radiance × 2^exposure → [`Curve`] → sRGB transfer curve (IEC 61966-2-1) → rounded to 0..=255.
 //!
-//! Each of these steps rises with its input, so a code is decided by comparing with 255
-//! thresholds. Those are found once, by bisection, from the exact formula; whole tiles then need
-//! no `powf`, and get the very codes that the formula gives.
+//! A curve is a mix of the three channels (none for most curves) and then a function of each
+//! channel on its own. All that comes after the mix rises with its input, so a code is decided by
+//! comparing with 255 thresholds. Those are found once, by bisection, from the exact formula; whole
+//! tiles then need no `powf`, and get the very codes that the formula gives. The mix has no `powf`
+//! in it: both ways compute it, by the same operations in single precision.
 
-use super::{Picture, dither};
+use super::{Picture, dither, neutral};
 use std::sync::LazyLock;
 
-/// How radiance beyond what a screen can show is brought into 0..=1, each channel on its own.
+/// How radiance beyond what a screen can show is brought into 0..=1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Curve {
     /// `min(x, 1)`: plain sRGB; what is too bright is clipped.
@@ -22,6 +23,11 @@ pub enum Curve {
     /// `x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14)`, clipped at 1: Narkowicz's 2016 fit of
     /// the ACES film curve. Has a toe and a shoulder; 1 becomes 0.80.
     Filmic,
+    /// The Khronos PBR Neutral tone mapper of 2024: colours up to 0.76 keep their hue, less what a
+    /// dielectric's specular adds to all channels alike (0.04, and less where it is darker); the largest channel beyond is
+    /// compressed, the others with it, and ever more towards white. Highlights keep their shape and
+    /// coloured ones their hue.
+    Neutral,
 }
 
 /// What a pixel shows that is NaN in any channel: magenta.
@@ -50,7 +56,7 @@ pub struct Tone {
 
 impl Curve {
     /// All of them, in the order of the window's list.
-    pub const ALL: [Curve; 3] = [Curve::Srgb, Curve::Reinhard, Curve::Filmic];
+    pub const ALL: [Curve; 4] = [Curve::Srgb, Curve::Reinhard, Curve::Filmic, Curve::Neutral];
 
     /// Lower-case name, as the command line takes it.
     pub fn name(self) -> &'static str {
@@ -58,6 +64,7 @@ impl Curve {
             Curve::Srgb => "srgb",
             Curve::Reinhard => "reinhard",
             Curve::Filmic => "filmic",
+            Curve::Neutral => "neutral",
         }
     }
 
@@ -67,13 +74,22 @@ impl Curve {
             Curve::Srgb => "sRGB",
             Curve::Reinhard => "Reinhard",
             Curve::Filmic => "Filmic",
+            Curve::Neutral => "Neutral",
         }
     }
 
-    /// Exposed radiance of at least 0 to display light in 0..=1.
+    /// Exposed radiance, none of it NaN, with its channels mixed.
+    fn mix(self, exposed: [f32; 3]) -> [f32; 3] {
+        match self {
+            Curve::Neutral => neutral::mix(exposed),
+            Curve::Srgb | Curve::Reinhard | Curve::Filmic => exposed,
+        }
+    }
+
+    /// A channel of at least 0, mixed, to display light in 0..=1.
     fn apply(self, x: f64) -> f64 {
         match self {
-            Curve::Srgb => x.min(1.0),
+            Curve::Srgb | Curve::Neutral => x.min(1.0),
             Curve::Reinhard => x / (1.0 + x),
             Curve::Filmic => (x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)).min(1.0),
         }
@@ -86,7 +102,7 @@ impl Curve {
             LazyLock::new(|| Table::new(Curve::Filmic)),
         ];
         match self {
-            Curve::Srgb => &TABLES[0],
+            Curve::Srgb | Curve::Neutral => &TABLES[0],
             Curve::Reinhard => &TABLES[1],
             Curve::Filmic => &TABLES[2],
         }
@@ -110,12 +126,30 @@ impl Tone {
             return NAN_COLOUR;
         }
         let gain = self.gain();
-        pixel.map(|c| code(self.curve, c * gain))
+        self.curve.mix(pixel.map(|c| c * gain)).map(|c| code(self.curve, c))
     }
 
     /// The codes of a run of pixels, each made into a `T`, which is whatever the caller's screen
     /// or file wants. As many as the shorter of the two slices has.
     pub fn map<T>(self, pixels: &[[f32; 3]], out: &mut [T], make: impl Fn([u8; 3]) -> T) {
+        // One loop a kind of curve.
+        match self.curve {
+            Curve::Neutral => self.map_mixed(pixels, out, neutral::mix, make),
+            Curve::Srgb | Curve::Reinhard | Curve::Filmic => {
+                self.map_mixed(pixels, out, |exposed| exposed, make);
+            }
+        }
+    }
+
+    /// [`Tone::map`] whose mix is known.
+    #[inline(always)]
+    fn map_mixed<T>(
+        self,
+        pixels: &[[f32; 3]],
+        out: &mut [T],
+        mix: impl Fn([f32; 3]) -> [f32; 3],
+        make: impl Fn([u8; 3]) -> T,
+    ) {
         let (gain, table) = (self.gain(), self.curve.table());
         // A coarse preview has the same colour many times in a row.
         let (mut last, mut codes) = ([0.0; 3], [table.code(0.0); 3]);
@@ -125,7 +159,7 @@ impl Tone {
                 codes = if (r + g + b).is_nan() {
                     self.exact([r, g, b])
                 } else {
-                    [table.code(r * gain), table.code(g * gain), table.code(b * gain)]
+                    mix([r * gain, g * gain, b * gain]).map(|c| table.code(c))
                 };
                 last = [r, g, b];
             }
@@ -153,7 +187,8 @@ impl Tone {
             }
             // The same for all channels: a grey stays grey.
             let up = dither::threshold(i % width, i / width);
-            pixel.map(|c| (signal(self.curve, c * gain) + up) as u8)
+            let mixed = self.curve.mix(pixel.map(|c| c * gain));
+            mixed.map(|c| (signal(self.curve, c) + up) as u8)
         };
         picture.pixels.iter().enumerate().map(|(i, pixel)| code(i, pixel)).collect()
     }
@@ -244,6 +279,22 @@ mod tests {
         let mut fast = [[0; 3]];
         tone.rgb8(&[[x; 3]], &mut fast);
         [tone.exact([x; 3])[0], fast[0][0]]
+    }
+
+    /// Colours of which no two channels are alike, from black to far beyond white.
+    #[test]
+    fn look_up_is_the_formula_for_colours() {
+        let steps = |i: u32| (2f32).powf((i * 7919 % 1009) as f32 / 1009.0 * 30.0 - 15.0);
+        let colours: Vec<[f32; 3]> =
+            (0..60_000).map(|i| [steps(3 * i), steps(5 * i + 1), steps(7 * i + 2)]).collect();
+        for curve in Curve::ALL {
+            let tone = Tone { exposure: -0.3, curve };
+            let mut fast = vec![[0; 3]; colours.len()];
+            tone.rgb8(&colours, &mut fast);
+            for (colour, fast) in colours.iter().zip(fast) {
+                assert_eq!(tone.exact(*colour), fast, "{curve:?} {colour:?}");
+            }
+        }
     }
 
     #[test]

@@ -32,7 +32,7 @@ use thiserror::Error;
 /// Recipe::new(&params, &snapshot).save(&path, &snapshot.mean(), Tone::default())?;
 /// let recipe = Recipe::parse(&read_recipe(&path)?.unwrap())?;
 /// assert_eq!((recipe.seed, recipe.passes), (7, 4));
-/// assert!(recipe.scene.text.unwrap().starts_with("# A wentletrap"));
+/// assert!(recipe.scene.text.unwrap().starts_with("# A knot"));
 /// # std::fs::remove_file(&path)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -116,6 +116,9 @@ pub struct SceneRecipe {
     pub name: String,
     /// What the command line calls it, if it came with the program.
     pub example: Option<String>,
+    /// The axis of a model alone that points up, by its name.
+    #[serde(default)]
+    pub up: Option<String>,
     /// The text of its `.scn` file; `None` for a model alone, a scene put together by calls, or
     /// one of more than [`Recipe::MOST_TEXT`] bytes.
     pub text: Option<String>,
@@ -312,6 +315,9 @@ impl Recipe {
         add("size", format!("{width}x{height}"));
         add("passes", self.passes.max(1).to_string());
         add("seed", self.seed.to_string());
+        if let Some(up) = &self.scene.up {
+            add("up", up.clone());
+        }
         if let Some(alpha) = self.alpha {
             add("alpha", alpha.to_string());
         }
@@ -381,6 +387,7 @@ impl SceneRecipe {
         SceneRecipe {
             name,
             example: source.example.map(str::to_owned),
+            up: source.up.map(|axis| axis.name().to_owned()),
             text: source.text.clone().filter(|text| text.len() <= Recipe::MOST_TEXT),
             files: source.files.iter().map(FileRecipe::from).collect(),
         }

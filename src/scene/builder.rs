@@ -117,6 +117,8 @@ const BUILT_QUADRIC: u64 = 640;
 pub struct SceneBuilder {
     /// Shown in the window's title and status line.
     pub name: String,
+    /// What to look for in it, one line.
+    pub caption: Option<String>,
     /// The files that it comes from; filled by the readers.
     pub source: Source,
     /// Width and height in pixels that the file asks for.
@@ -125,6 +127,8 @@ pub struct SceneBuilder {
     pub camera: Option<Camera>,
     /// Uniform radiance of every direction that hits nothing.
     pub environment: [f32; 3],
+    /// The bounding box of the model that a stage was put up for.
+    pub(super) focus: Option<[DVec3; 2]>,
     /// The line that shapes added from now on come from, for warnings about them; the readers keep it.
     pub line: Option<usize>,
     materials: Vec<Material>,
@@ -158,10 +162,12 @@ impl SceneBuilder {
     pub fn new(name: impl Into<String>) -> SceneBuilder {
         SceneBuilder {
             name: name.into(),
+            caption: None,
             source: Source::default(),
             screen: [640, 480],
             camera: None,
             environment: [0.0; 3],
+            focus: None,
             line: None,
             materials: Vec::new(),
             positions: Vec::new(),
@@ -474,6 +480,7 @@ impl SceneBuilder {
         let aspect = self.screen[0] as f64 / self.screen[1].max(1) as f64;
         Scene {
             name: self.name,
+            caption: self.caption,
             source: self.source,
             screen: self.screen,
             camera: self.camera.unwrap_or_else(|| Camera::framing(low, high, aspect)),
@@ -484,11 +491,13 @@ impl SceneBuilder {
             surfaces: lights,
             placement,
             bounds: [low, high],
+            focus: self.focus,
             counts,
         }
     }
 
-    fn bounds(&self) -> (DVec3, DVec3) {
+    /// Lowest and highest corner so far, in world units.
+    pub(super) fn bounds(&self) -> (DVec3, DVec3) {
         let mut low = DVec3::INFINITY;
         let mut high = DVec3::NEG_INFINITY;
         let mut grow = |a: DVec3, b: DVec3| {

@@ -25,12 +25,19 @@ macro_rules! files {
 }
 
 /// All of them, the default scene first.
-pub const EXAMPLES: [Example; 7] = [
+pub const EXAMPLES: [Example; 8] = [
     Example {
         name: "default",
-        title: "A wentletrap",
-        shows: "a seashell, a mirror ball and two letters on a lacquered table",
+        title: "Brass knot",
+        shows: "a knot of satin brass, steel and lacquer: where the three models differ most",
         text: include_bytes!("../../assets/scenes/default.scn"),
+        models: files!["knot.ply", "softbox.ply"],
+    },
+    Example {
+        name: "shell",
+        title: "Shell on a table",
+        shows: "a seashell, a mirror ball and two letters on a lacquered table",
+        text: include_bytes!("../../assets/scenes/shell.scn"),
         models: files!["letter-x.ply", "letter-y.ply", "wentletrap.ply"],
     },
     Example {
@@ -88,6 +95,12 @@ impl Example {
         EXAMPLES.iter().find(|e| e.name == name)
     }
 
+    /// What to look for in it, one line: its text's `caption`. All have one, which a test holds.
+    pub fn caption(&self) -> Option<&'static str> {
+        let lines = str::from_utf8(self.text).ok()?.lines();
+        lines.filter_map(|line| line.trim().strip_prefix("caption ")).next_back().map(str::trim)
+    }
+
     /// Reads it with the reader that reads every other scene. A test holds that this succeeds
     /// without a warning; the error is there all the same, so that nothing here needs to panic.
     pub fn read(&self) -> Result<(SceneBuilder, Report), ReadError> {
@@ -106,7 +119,7 @@ pub(super) fn model(name: &str) -> Option<&'static [u8]> {
     models.into_iter().find(|(known, _)| *known == name).map(|(_, bytes)| *bytes)
 }
 
-/// A room with a lacquered table, and on it a seashell, a mirror ball and the letters X and Y.
+/// A closed room with a dark, satin floor, and on it a knot of satin brass and two balls.
 pub fn default_scene() -> Result<(SceneBuilder, Report), ReadError> {
     EXAMPLES[0].read()
 }
@@ -124,6 +137,9 @@ mod tests {
             assert!(report.warnings.is_empty(), "{}: {report:?}", example.name);
             assert!(report.notes.iter().all(|note| note.starts_with("normals: ")), "{report:?}");
             assert!(builder.is_lit() && builder.camera.is_some(), "{}", example.name);
+            assert_eq!(builder.caption.as_deref(), example.caption(), "{}", example.name);
+            let words = example.caption().unwrap().split_whitespace().count();
+            assert!((5..=30).contains(&words), "{}: {words} words", example.name);
             assert_eq!(Example::named(example.name), Some(&example));
         }
     }
@@ -175,7 +191,8 @@ mod tests {
     fn no_surface_gives_back_more_than_it_gets() {
         // Exact for a constant reflectance; the Fresnel term adds at grazing angles, at most 1/21
         // of the hemisphere's light.
-        for material in default_scene().unwrap().0.materials() {
+        let read = |name: &str| Example::named(name).unwrap().read().unwrap().0;
+        for material in ["default", "shell"].iter().flat_map(|n| read(n).materials().to_vec()) {
             for (kd, ks) in material.kd.iter().zip(material.ks) {
                 let specular = if material.ks == [0.0; 3] { 0.0 } else { ks + (1.0 - ks) / 21.0 };
                 assert!(kd + specular <= 1.0, "{}", material.name);
@@ -185,12 +202,14 @@ mod tests {
 
     #[test]
     fn camera_and_lights_are_inside_a_closed_room() {
-        let scene = default_scene().unwrap().0.build();
-        let counts = scene.counts();
-        assert_eq!((counts.duplicates, counts.spheres), (0, 7));
-        let [low, high] = scene.bounds();
-        let eye = scene.camera().eye;
-        assert!(low.cmplt(eye).all() && eye.cmplt(high).all(), "{eye} in {low} .. {high}");
-        assert_eq!(scene.environment(), [0.0; 3]);
+        for (name, spheres) in [("default", 4), ("shell", 7)] {
+            let scene = Example::named(name).unwrap().read().unwrap().0.build();
+            let counts = scene.counts();
+            assert_eq!((counts.duplicates, counts.spheres), (0, spheres), "{name}");
+            let [low, high] = scene.bounds();
+            let eye = scene.camera().eye;
+            assert!(low.cmplt(eye).all() && eye.cmplt(high).all(), "{eye} in {low} .. {high}");
+            assert_eq!(scene.environment(), [0.0; 3]);
+        }
     }
 }

@@ -12,10 +12,13 @@ mod coinciding;
 mod doubles;
 mod material;
 mod normals;
+pub mod presets;
 mod rays;
 pub mod read;
 mod report;
 mod source;
+mod stage;
+mod up;
 mod weld;
 pub mod write;
 
@@ -27,6 +30,8 @@ pub use normals::NormalCounts;
 pub use rays::CameraRays;
 pub use report::{Place, Report, Warning};
 pub use source::{Source, SourceFile};
+pub use stage::{Stage, StageError, StageLight};
+pub use up::Axis;
 
 use crate::geometry::{Bvh, Geometry, PrimitiveRange};
 use glam::DVec3;
@@ -35,6 +40,7 @@ use glam::DVec3;
 #[derive(Debug)]
 pub struct Scene {
     name: String,
+    caption: Option<String>,
     source: Source,
     screen: [u32; 2],
     camera: Camera,
@@ -45,6 +51,7 @@ pub struct Scene {
     surfaces: Vec<Light>,
     placement: Placement,
     bounds: [DVec3; 2],
+    focus: Option<[DVec3; 2]>,
     counts: SceneCounts,
 }
 
@@ -74,6 +81,10 @@ impl Scene {
     /// Name of the file or built-in scene.
     pub fn name(&self) -> &str {
         &self.name
+    }
+    /// What to look for in it, one line, where its file says so.
+    pub fn caption(&self) -> Option<&str> {
+        self.caption.as_deref()
     }
     /// The files that it was read from.
     pub fn source(&self) -> &Source {
@@ -119,6 +130,15 @@ impl Scene {
     /// Lowest and highest corner in world units.
     pub fn bounds(&self) -> [DVec3; 2] {
         self.bounds
+    }
+    /// Lowest and highest corner in world units of what there is to look at: of a model alone without
+    /// its stage, elsewhere of all.
+    pub fn focus(&self) -> [DVec3; 2] {
+        self.focus.unwrap_or(self.bounds)
+    }
+    /// The stage that a model without lights was put on; its materials are the last ones.
+    pub fn stage(&self) -> Option<Stage> {
+        self.focus.and_then(|[low, high]| Stage::around(low, high))
     }
     /// The material seen at a point of the picture, in pixels from its top left corner; `None`
     /// where nothing is hit.

@@ -1,6 +1,6 @@
 //! Where a scene came from: enough to tell it from any other, and to write it down again.
 
-use super::MaterialId;
+use super::{Axis, MaterialId};
 use std::path::PathBuf;
 
 /// The files that a scene was read from. Empty for a scene built by calls.
@@ -11,6 +11,8 @@ pub struct Source {
     pub example: Option<&'static str>,
     /// The text of a `.scn` file without its byte order mark; `None` for a model alone.
     pub text: Option<String>,
+    /// The axis of a model alone that was turned to point up; `None` for other scenes.
+    pub up: Option<Axis>,
     /// The scene's own file, then each model and material library that it names, once, in the
     /// order in which they were read.
     pub files: Vec<SourceFile>,

@@ -20,7 +20,7 @@
 
 use super::read::parse_camera;
 use super::read::text::{leading_number, lines};
-use super::{Camera, Material, Scene, SourceFile};
+use super::{Axis, Camera, Material, Scene, SourceFile, Stage, StageLight};
 use crate::brdf::Roughness;
 use std::fmt::Write;
 use std::path::{Path, absolute};
@@ -151,15 +151,36 @@ fn alone(
     folder: &Path,
 ) -> Result<String, WriteError> {
     let file = scene.source().files.first().ok_or(WriteError::NoFile)?;
-    let [material] = materials else { return Err(WriteError::OwnMaterials(file.name.clone())) };
+    let stage = scene.stage();
+    let own = materials.len().saturating_sub(stage.map_or(0, |_| Stage::MATERIALS));
+    let (own, of_stage) = materials.split_at(own);
+    let [material] = own else { return Err(WriteError::OwnMaterials(file.name.clone())) };
     let [r, g, b] = scene.environment();
     let mut out = format!("screen {w} {h}\n{}\n", camera.scn_line());
     if [r, g, b] != [0.0; 3] {
         let _ = writeln!(out, "environment {r} {g} {b}");
     }
     let model = from_folder(file, folder)?;
-    let _ = writeln!(out, "# {}\n{}\nmesh {model} 0 0 0 1", material.name, whole(material)?);
+    let turn = scene.source().up.map_or("", Axis::orient);
+    let mesh = format!("mesh {model} 0 0 0 1 {turn}");
+    let _ = writeln!(out, "# {}\n{}\n{}", material.name, whole(material)?, mesh.trim_end());
+    if let Some(stage) = stage {
+        for (material, shape) in of_stage.iter().zip(stage_shapes(&stage)) {
+            let _ = writeln!(out, "# {}\n{}\n{shape}", material.name, whole(material)?);
+        }
+    }
     Ok(out)
+}
+
+/// The lines of what a stage adds, in the order of its materials.
+fn stage_shapes(stage: &Stage) -> Vec<String> {
+    let (b, a, radius) = stage.ground();
+    let ground = format!("cylinder {} {} {}  {} {} {}  {radius}", b.x, b.y, b.z, a.x, a.y, a.z);
+    let sphere = |light: StageLight| {
+        let c = light.centre;
+        format!("sphere {} {} {}  {}", c.x, c.y, c.z, light.radius)
+    };
+    [ground].into_iter().chain(stage.lights().map(sphere)).collect()
 }
 
 /// What to call a file in a text that lies in `folder`: its name where that is enough, or the

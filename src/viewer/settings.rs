@@ -35,7 +35,7 @@ impl Default for Settings {
     fn default() -> Settings {
         Settings {
             theme: ThemePreference::System,
-            tone: Tone::default(),
+            tone: Tone { exposure: 0.0, curve: Curve::Neutral },
             goal: Goal::default(),
             recent: Recent::default(),
             watch: true,

@@ -69,7 +69,7 @@ fn compared(text: &str, name: &str) -> f64 {
     line[name.len()..].split_whitespace().next().unwrap().parse().unwrap()
 }
 
-const COMPARED: [&str; 11] = [
+const COMPARED: [&str; 12] = [
     "MSE",
     "MSE of 99.9 %",
     "relMSE",
@@ -79,6 +79,7 @@ const COMPARED: [&str; 11] = [
     "SMAPE",
     "mean error",
     "relative mean error",
+    "changed pixels",
     "FLIP",
     "HDR-FLIP",
 ];

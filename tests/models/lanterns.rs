@@ -22,6 +22,7 @@ const HALL: &str = "\
 # A hall with two hundred bulbs on five strings: the strongest has 150 times the power of the weakest.
 # Each point sees all of them and is lit by a few: the pictures differ by how a light is chosen to be asked.
 # Made by tests/models.
+caption Two hundred bulbs of unequal power: which of them is asked for light decides how noisy the picture is
 
 screen 800 600
 camera 0 -7.4 1.65  0.36 x 87

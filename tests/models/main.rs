@@ -4,6 +4,7 @@
 //! To write the files anew: `BURNISH_WRITE_ASSETS=1 cargo test --release --test models`.
 
 mod arithmetic;
+mod knot;
 mod lanterns;
 mod letters;
 mod model;
@@ -13,8 +14,9 @@ mod urchin;
 use model::Model;
 use std::path::PathBuf;
 
-fn models() -> [(&'static str, Model); 4] {
+fn models() -> [(&'static str, Model); 5] {
     [
+        ("knot.ply", knot::trefoil()),
         ("letter-x.ply", letters::x()),
         ("letter-y.ply", letters::y()),
         ("urchin.ply", urchin::urchin()),
@@ -68,6 +70,26 @@ fn the_shell_is_detailed_and_its_points_are_distinct() {
     let shell = shell::wentletrap();
     assert!((20_000..=60_000).contains(&shell.count()), "{} triangles", shell.count());
     assert_eq!(shell.flat_faces(), 0, "faces without area");
+}
+
+#[test]
+fn the_knot_is_smooth_and_does_not_touch_itself() {
+    let knot = knot::trefoil();
+    assert!((20_000..=40_000).contains(&knot.count()), "{} triangles", knot.count());
+    assert_eq!(knot.flat_faces(), 0, "faces without area");
+    // Rings that are a quarter of the way or more from each other leave a gap.
+    let rings: Vec<&[model::Point]> = knot.positions.chunks(40).collect();
+    let near = |a: &model::Point, b: &model::Point| {
+        let d = model::minus(*a, *b);
+        model::dot(d, d).sqrt()
+    };
+    for (i, a) in rings.iter().enumerate() {
+        for b in rings.iter().skip(i + 60).take(240) {
+            let gap = a.iter().flat_map(|p| b.iter().map(move |q| near(p, q)));
+            let gap = gap.fold(f64::INFINITY, f64::min);
+            assert!(gap > 0.01, "ring {i}: {gap}");
+        }
+    }
 }
 
 #[test]

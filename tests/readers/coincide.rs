@@ -1,8 +1,8 @@
 //! Shapes in the same place: the emitter is in front, or else the first in the file, and what is lost
 //! of another material is told.
 
-use super::{text, warnings};
-use burnish::scene::read::{self, Memory};
+use super::{bare, text, warnings};
+use burnish::scene::read::Memory;
 use burnish::scene::{Scene, SceneCounts};
 
 const MTL: &[u8] = b"newmtl floor\nKd 0.5 0.5 0.5\nnewmtl lamp\nKd 0 0 0\nKe 5 5 5\n\
@@ -15,7 +15,7 @@ fn obj(faces: &str) -> (Scene, Vec<String>, Vec<String>) {
          v -3 3 -0.0\n{faces}"
     );
     let files = Memory(&[("lamp.mtl", MTL)]);
-    let (builder, report) = read::read(text.as_bytes(), "m.obj".as_ref(), &files).unwrap();
+    let (builder, report) = bare(text.as_bytes(), "m.obj", &files).unwrap();
     let told = warnings(&report);
     (builder.build(), told, report.notes)
 }
@@ -113,7 +113,7 @@ fn places_are_compared_as_the_tracer_has_them() {
             turn - 100.0,
             100.0
         );
-        let (builder, report) = read::read(scene.as_bytes(), "s.scn".as_ref(), &files).unwrap();
+        let (builder, report) = bare(scene.as_bytes(), "s.scn", &files).unwrap();
         let scene = builder.build();
         assert_eq!(scene.counts().duplicates, 3, "{scene:?}");
         assert!(warnings(&report).iter().any(|w| w.starts_with("s.scn:2: 3 triangles of ")));

@@ -11,8 +11,9 @@ mod normals;
 mod obj;
 mod ply;
 mod scn;
+mod stage;
 
-use burnish::scene::read::{self, Memory, ReadError};
+use burnish::scene::read::{self, Files, Memory, ReadError, ReadOptions};
 use burnish::scene::{Report, Scene, SceneBuilder};
 use glam::DVec3;
 
@@ -20,7 +21,19 @@ type Read = Result<(SceneBuilder, Report), ReadError>;
 
 /// Reads this text, which refers to no other files.
 fn text(name: &str, text: &str) -> Read {
-    read::read(text.as_bytes(), name.as_ref(), &Memory(&[]))
+    bare(text.as_bytes(), name, &Memory(&[]))
+}
+
+/// Reads a model as it is, without a stage: what is read is all that there is.
+fn bare(bytes: &[u8], name: &str, files: &dyn Files) -> Read {
+    let options = ReadOptions { bare: true, up: None };
+    read::read_with_options(bytes, name.as_ref(), files, options)
+}
+
+/// The same from disk.
+fn open_bare(path: &std::path::Path) -> Read {
+    let options = ReadOptions { bare: true, up: None };
+    read::open_with_options(path, &read::Disk::beside(path), options)
 }
 
 /// The message of something that must not be read.

@@ -1,14 +1,14 @@
 //! MTL: materials, the files that bring them, and their names.
 
 use super::obj::{TRIANGLE, obj};
-use super::{Read, warnings};
-use burnish::scene::read::{self, Memory};
+use super::{Read, bare, open_bare, warnings};
+use burnish::scene::read::Memory;
 use burnish::scene::{Material, SceneBuilder};
 
 /// A triangle of material `m`, which this MTL file describes.
 fn with_mtl(mtl: &[u8]) -> Read {
     let obj = format!("mtllib m.mtl\nusemtl m\n{TRIANGLE}");
-    read::read(obj.as_bytes(), "m.obj".as_ref(), &Memory(&[("m.mtl", mtl)]))
+    bare(obj.as_bytes(), "m.obj", &Memory(&[("m.mtl", mtl)]))
 }
 
 pub(super) fn only_material(builder: &SceneBuilder) -> &Material {
@@ -78,7 +78,7 @@ fn missing_materials_are_warnings() {
     // Several files on one line, a name with spaces, and a material used before its file is named.
     let files = Memory(&[("a.mtl", b"newmtl a\nKd 1"), ("b c.mtl", b"newmtl b\nKd 1")]);
     let text = format!("usemtl b\n{TRIANGLE}mtllib a.mtl a.mtl\nmtllib b c.mtl");
-    let (builder, report) = read::read(text.as_bytes(), "m.obj".as_ref(), &files).unwrap();
+    let (builder, report) = bare(text.as_bytes(), "m.obj", &files).unwrap();
     assert_eq!(warnings(&report), [""; 0]);
     assert_eq!(only_material(&builder).name, "b");
 }
@@ -201,7 +201,8 @@ fn a_fault_costs_its_material_alone() {
 /// Files that describe no material, and texture without colour.
 #[test]
 fn a_file_without_its_material_leaves_a_grey_one() {
-    let none = "m.obj:2: no MTL file defines `m`: a diffuse grey of Kd 0.5 is used";
+    let none =
+        "m.obj:2: no MTL file defines `m`: a glossy grey of Kd 0.3, Ks 0.2, alpha 0.25 is used";
     for (mtl, told) in [
         ("", "m.mtl:1: the file is empty"),
         ("\u{feff}", "m.mtl:1: the file is empty"),
@@ -270,7 +271,7 @@ fn two_names(obj_names: [&[u8]; 2], mtl_names: [&[u8]; 2]) -> (SceneBuilder, Vec
         mtl.extend([b"newmtl ", *known, b"\nKd ", colour.as_slice()].concat());
     }
     let files = [("m.mtl", mtl.as_slice())];
-    let (builder, report) = read::read(&obj, "m.obj".as_ref(), &Memory(&files)).unwrap();
+    let (builder, report) = bare(&obj, "m.obj", &Memory(&files)).unwrap();
     (builder, warnings(&report))
 }
 
@@ -306,7 +307,7 @@ fn names_are_bytes() {
     for line in [&b"g a\\"[..], b"o \x95\\", b"mtllib m.mtl", b"g a \\", b"# \\", b"usemtl b \\"] {
         let text = [b"v 0 0 0\nv 1 0 0\nv 0 1 0\n", line, b"\nf 1 2 3\n"].concat();
         let files = Memory(&[("m.mtl", b"newmtl a\nmap_Kd a\\\nKd 0.25\nnewmtl b\\\nKd 1")]);
-        let (builder, _) = read::read(&text, "m.obj".as_ref(), &files).unwrap();
+        let (builder, _) = bare(&text, "m.obj", &files).unwrap();
         assert_eq!(builder.shapes(), 1);
     }
 }
@@ -319,8 +320,7 @@ fn comments_follow_names_and_numbers() {
     let text =
         format!("mtllib d.mtl # materials\n{TRIANGLE}usemtl red # the paint\nv 0 0 1\nf 1 2 4\n");
     let text = text.replacen("v 0", "usemtl red\t#\nv 0", 1) + "usemtl red#2\nf 1 3 4\n";
-    let (builder, report) =
-        read::read(text.as_bytes(), "m.obj".as_ref(), &Memory(&[("d.mtl", mtl)])).unwrap();
+    let (builder, report) = bare(text.as_bytes(), "m.obj", &Memory(&[("d.mtl", mtl)])).unwrap();
     assert_eq!(warnings(&report), [""; 0]);
     let names: Vec<&str> = builder.materials().iter().map(|m| m.name.as_str()).collect();
     assert_eq!(names, ["red", "red#2"]);
@@ -336,7 +336,7 @@ fn names_that_are_blank_are_no_names() {
             "mtllib a.mtl\nmtllib\nmtllib \nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n{blank}\nf 1 2 3\n\
              usemtl red\nf 2 3 4\n{blank}\no\ng\n"
         );
-        let (builder, report) = read::read(text.as_bytes(), "m.obj".as_ref(), &files).unwrap();
+        let (builder, report) = bare(text.as_bytes(), "m.obj", &files).unwrap();
         assert_eq!(
             warnings(&report),
             [
@@ -365,7 +365,7 @@ fn libraries_are_found_by_what_is_meant() {
         let path = folder.path().join("m.obj");
         let text = [b"mtllib ", line, b"\nusemtl red\n", TRIANGLE.as_bytes()].concat();
         std::fs::write(&path, text).unwrap();
-        let (builder, report) = read::open(&path).unwrap();
+        let (builder, report) = open_bare(&path).unwrap();
         (only_material(&builder).kd[0], warnings(&report))
     };
     for (kd, name) in [
@@ -423,7 +423,7 @@ fn libraries_are_found_by_what_is_meant() {
 fn a_library_is_read_once() {
     use std::cell::Cell;
     struct Counting<'a>(Memory<'a>, Cell<usize>);
-    impl read::Files for Counting<'_> {
+    impl burnish::scene::read::Files for Counting<'_> {
         fn find(
             &self,
             name: &str,
@@ -435,13 +435,13 @@ fn a_library_is_read_once() {
     let memory = Memory(&[("a.mtl", b"newmtl m\nKd 0.25\n"), ("b.mtl", b"newmtl m\nKd 0.250")]);
     let files = Counting(memory, Cell::new(0));
     let text = "usemtl m\nmtllib a.mtl\n".repeat(1000) + TRIANGLE;
-    let (builder, report) = read::read(text.as_bytes(), "m.obj".as_ref(), &files).unwrap();
+    let (builder, report) = bare(text.as_bytes(), "m.obj", &files).unwrap();
     assert_eq!((warnings(&report), files.1.get()), (vec![], 1));
     assert_eq!(only_material(&builder).kd, [0.25; 3]);
     // In other words, and another file that says the same.
     for line in ["mtllib A.MTL", "mtllib \"a.mtl\"", "mtllib a.mtl a.mtl", "mtllib b.mtl"] {
         let text = format!("mtllib a.mtl\n{line}\nusemtl m\n{TRIANGLE}");
-        let (_, report) = read::read(text.as_bytes(), "m.obj".as_ref(), &files).unwrap();
+        let (_, report) = bare(text.as_bytes(), "m.obj", &files).unwrap();
         assert_eq!(warnings(&report), [""; 0], "{line}");
     }
 }

@@ -1,8 +1,7 @@
 //! OBJ: its geometry.
 
 use super::mtl::only_material;
-use super::{Read, message, text, triangles, warnings};
-use burnish::scene::read;
+use super::{Read, message, open_bare, text, triangles, warnings};
 use glam::DVec3;
 
 pub(super) const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -13,7 +12,7 @@ pub(super) fn obj(lines: &str) -> Read {
 
 #[test]
 fn a_lamp_with_materials_and_lights() {
-    let (builder, report) = read::open("tests/data/lamp.obj".as_ref()).unwrap();
+    let (builder, report) = open_bare("tests/data/lamp.obj".as_ref()).unwrap();
     let mtl = "tests/data/lamp.mtl";
     assert_eq!(
         warnings(&report),
@@ -47,19 +46,19 @@ fn a_lamp_with_materials_and_lights() {
 }
 
 #[test]
-fn a_model_that_emits_nothing_is_lit_by_a_white_environment() {
+fn a_bare_model_that_emits_nothing_is_lit_by_a_white_environment() {
     let (builder, report) = obj(TRIANGLE).unwrap();
     assert_eq!((builder.environment, warnings(&report)), ([1.0; 3], vec![]));
     assert_eq!(
         report.notes,
         [
-            "some faces have no material: a diffuse grey of Kd 0.5 is used",
+            "some faces have no material: a glossy grey of Kd 0.3, Ks 0.2, alpha 0.25 is used",
             "normals: smooth over edges below 45 degrees for 1 triangle",
             "nothing in the file emits: lit by a uniform white environment of radiance 1",
         ]
     );
     let grey = only_material(&builder);
-    assert_eq!((grey.kd, grey.ks), ([0.5; 3], [0.0; 3]));
+    assert_eq!((grey.kd, grey.ks), ([0.3; 3], [0.2; 3]));
 }
 
 #[test]

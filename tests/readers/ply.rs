@@ -1,11 +1,11 @@
 //! PLY in its three encodings.
 
-use super::{Read, message, triangles, warnings};
+use super::{Read, bare, message, open_bare, triangles, warnings};
 use burnish::scene::Scene;
-use burnish::scene::read::{self, Memory};
+use burnish::scene::read::Memory;
 
 fn ply(bytes: &[u8]) -> Read {
-    read::read(bytes, "m.ply".as_ref(), &Memory(&[]))
+    bare(bytes, "m.ply", &Memory(&[]))
 }
 
 /// How the values of a file are written.
@@ -125,12 +125,12 @@ fn all_encodings_and_type_names_give_the_same_mesh() {
 
 #[test]
 fn a_ply_alone_is_grey_and_lit() {
-    let (builder, report) = read::open("tests/data/leaf.ply".as_ref()).unwrap();
+    let (builder, report) = open_bare("tests/data/leaf.ply".as_ref()).unwrap();
     assert_eq!((builder.environment, builder.camera, builder.shapes()), ([1.0; 3], None, 3));
     assert_eq!(
         report.notes[1..],
         [
-            "a PLY file has no material: a diffuse grey of Kd 0.5 is used",
+            "a PLY file has no material: a glossy grey of Kd 0.3, Ks 0.2, alpha 0.25 is used",
             "normals: smooth over edges below 45 degrees for 3 triangles",
             "nothing in the file emits: lit by a uniform white environment of radiance 1",
         ]
@@ -348,7 +348,7 @@ fn polygons_are_cut_by_their_shape() {
                     bytes.extend(line);
                 }
             }
-            let (builder, report) = read::read(&bytes, "m.ply".as_ref(), &Memory(&[])).unwrap();
+            let (builder, report) = bare(&bytes, "m.ply", &Memory(&[])).unwrap();
             let told = warnings(&report).join("\n");
             assert_eq!(told.contains("of 1 polygons, of face 1 first, crosses itself"), crossed);
             if !crossed {

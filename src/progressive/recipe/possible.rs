@@ -6,6 +6,7 @@ use crate::math::lanes::Isa;
 use crate::picture::{Curve, Tone};
 use crate::plain;
 use crate::progressive::{Params, Session, plan};
+use crate::scene::Axis;
 use crate::scene::read::parse_camera;
 use crate::trace::{Group, Strategy};
 
@@ -17,6 +18,7 @@ impl Recipe {
             (!names.contains(&name)).then(text)
         };
         let erratum = self.erratum.as_deref();
+        let up = self.scene.up.as_deref();
         let tone = self.tone.as_ref();
         let sides = 1..=Params::MAX_SIDE;
         let [width, height] = self.size;
@@ -73,6 +75,7 @@ impl Recipe {
             .or_else(|| known("strategy", &self.strategy, &Strategy::ALL.map(Strategy::name)))
             .or_else(|| known("choice of normals", &self.normals, &Normals::ALL.map(Normals::name)))
             .or_else(|| known("erratum", erratum?, &Erratum::ALL.map(Erratum::name)))
+            .or_else(|| known("axis", up?, &Axis::ALL.map(Axis::name)))
             .or_else(|| known("tone curve", &tone?.curve, &Curve::ALL.map(Curve::name)))
             .or_else(|| known("instruction set", &self.isa, &Isa::ALL.map(Isa::name)))
             .or_else(|| {

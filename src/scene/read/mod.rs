@@ -38,29 +38,50 @@ pub use log::{Fault, ReadError};
 pub use scn::{parse_camera, read_scn};
 
 use super::doubles::Origin;
-use super::{Material, Mesh, MeshCounts, Report, SceneBuilder};
+use super::{Axis, Camera, Material, Mesh, MeshCounts, Report, SceneBuilder, Stage, StageError};
 use files::Recorder;
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 use log::Log;
 use std::path::Path;
 
 /// Reads the scene or model in this file, by its ending.
 ///
-/// A model alone is framed by the camera, 640 by 480 pixels; if nothing in it emits, a uniform
-/// white environment of radiance 1 lights it, and the report's notes say so.
+/// A model alone is stood upright and framed by the camera, 640 by 480 pixels; if nothing in it
+/// emits, it is put on a [`Stage`]. The report's notes say so.
 pub fn open(path: &Path) -> Result<(SceneBuilder, Report), ReadError> {
     open_with(path, &Disk::beside(path))
 }
 
 /// The same, with other `files` than those on disk.
 pub fn open_with(path: &Path, files: &dyn Files) -> Result<(SceneBuilder, Report), ReadError> {
+    open_with_options(path, files, ReadOptions::default())
+}
+
+/// What a reader does with a model that is opened by itself. A `.scn` file is not affected: it says
+/// all of this itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ReadOptions {
+    /// The axis of the file that points up, instead of the one that is guessed: Y for OBJ and Z for PLY
+    /// files, unless the model has a foot at least twice as large along the other of these two.
+    pub up: Option<Axis>,
+    /// Leaves it as it is: no guess of an axis and no stage. If nothing in it emits, a uniform white
+    /// environment of radiance 1 lights it.
+    pub bare: bool,
+}
+
+/// [`open_with`] these options.
+pub fn open_with_options(
+    path: &Path,
+    files: &dyn Files,
+    options: ReadOptions,
+) -> Result<(SceneBuilder, Report), ReadError> {
     let name = |text: String| ReadError::whole_file(path, text);
     if path.is_dir() {
         return Err(name("this is a directory; expected a .scn, .obj or .ply file".to_owned()));
     }
     Format::of(path).map_err(name)?;
     let bytes = files::load(path).map_err(|e| name(format!("cannot read the file: {e}")))?;
-    read(&bytes, path, files)
+    read_with_options(&bytes, path, files, options)
 }
 
 /// Like [`open`], from bytes: `name` tells the format and stands in messages, `files` brings the
@@ -70,10 +91,20 @@ pub fn read(
     name: &Path,
     files: &dyn Files,
 ) -> Result<(SceneBuilder, Report), ReadError> {
+    read_with_options(bytes, name, files, ReadOptions::default())
+}
+
+/// [`read`] with these options.
+pub fn read_with_options(
+    bytes: &[u8],
+    name: &Path,
+    files: &dyn Files,
+    options: ReadOptions,
+) -> Result<(SceneBuilder, Report), ReadError> {
     match Format::of(name).map_err(|text| ReadError::whole_file(name, text))? {
         Format::Scn => read_scn(bytes, name, files),
-        Format::Obj => read_obj(bytes, name, files),
-        Format::Ply => read_ply(bytes, name),
+        Format::Obj => read_obj(bytes, name, files, options),
+        Format::Ply => read_ply(bytes, name, options),
     }
 }
 
@@ -112,6 +143,7 @@ fn read_obj(
     bytes: &[u8],
     name: &Path,
     files: &dyn Files,
+    options: ReadOptions,
 ) -> Result<(SceneBuilder, Report), ReadError> {
     let mut log = Log::new(name);
     let mut builder = SceneBuilder::new(title(name));
@@ -126,29 +158,56 @@ fn read_obj(
         .zip(lines)
         .map(|((range, material), line)| (range, Origin { material, line }))
         .collect();
-    let counts = builder
-        .place(&model.mesh, DAffine3::IDENTITY, &parts)
-        .map_err(|e| log.error(None, e.to_string()))?;
-    alone(builder, counts, log)
+    let upright = stand(&mut builder, &model.mesh, Axis::Y, options, &mut log);
+    let counts =
+        builder.place(&model.mesh, upright, &parts).map_err(|e| log.error(None, e.to_string()))?;
+    alone(builder, counts, options, log)
 }
 
-fn read_ply(bytes: &[u8], name: &Path) -> Result<(SceneBuilder, Report), ReadError> {
+fn read_ply(
+    bytes: &[u8],
+    name: &Path,
+    options: ReadOptions,
+) -> Result<(SceneBuilder, Report), ReadError> {
     let mut log = Log::new(name);
     let mut builder = SceneBuilder::new(title(name));
     let mesh = ply::read(bytes, &mut log)?;
     builder.source = Recorder::new(name, bytes, &Memory(&[])).finish();
     log.note(format!("a PLY file has no material: {GREY_IS}"));
     let grey = builder.material(grey(&log)?);
-    let counts = builder
-        .mesh(&mesh, DAffine3::IDENTITY, grey)
-        .map_err(|e| log.error(None, e.to_string()))?;
-    alone(builder, counts, log)
+    let upright = stand(&mut builder, &mesh, Axis::Z, options, &mut log);
+    let counts = builder.mesh(&mesh, upright, grey).map_err(|e| log.error(None, e.to_string()))?;
+    alone(builder, counts, options, log)
+}
+
+/// The turn that stands a model upright; the builder knows of it, the log tells it. `custom` is what
+/// files of this format have up.
+fn stand(
+    builder: &mut SceneBuilder,
+    mesh: &Mesh,
+    custom: Axis,
+    options: ReadOptions,
+    log: &mut Log,
+) -> DAffine3 {
+    let up = match options {
+        ReadOptions { up: Some(up), .. } => up,
+        ReadOptions { bare: true, .. } => return DAffine3::IDENTITY,
+        _ => {
+            let up = Axis::guess(mesh, custom);
+            let why = if up == custom { "the custom of such files" } else { "its larger foot" };
+            log.note(format!("its axis {} points up, by {why}; another can be chosen", up.name()));
+            up
+        }
+    };
+    builder.source.up = Some(up);
+    DAffine3::from_quat(up.rotation())
 }
 
 /// Completes a model that is looked at by itself.
 fn alone(
     mut builder: SceneBuilder,
     counts: MeshCounts,
+    options: ReadOptions,
     mut log: Log,
 ) -> Result<(SceneBuilder, Report), ReadError> {
     if let Some(text) = left_out(counts) {
@@ -159,10 +218,35 @@ fn alone(
     }
     settle(&mut builder, &mut log);
     if !builder.is_lit() {
-        builder.environment = [1.0; 3];
-        log.note("nothing in the file emits: lit by a uniform white environment of radiance 1");
+        let (low, high) = builder.bounds();
+        let stage = if options.bare { None } else { Stage::around(low, high) };
+        match stage {
+            Some(stage) => {
+                put_up(stage, [low, high], &mut builder)
+                    .map_err(|e| log.error(None, e.to_string()))?;
+                log.note("nothing in the file emits: put on a stage with two lights");
+            }
+            None => {
+                builder.environment = [1.0; 3];
+                log.note(
+                    "nothing in the file emits: lit by a uniform white environment of radiance 1",
+                );
+            }
+        }
     }
     Ok((builder, log.finish()))
+}
+
+/// Puts a model of these bounds on a stage and frames it.
+fn put_up(
+    stage: Stage,
+    [low, high]: [DVec3; 2],
+    builder: &mut SceneBuilder,
+) -> Result<(), StageError> {
+    let [width, height] = builder.screen.map(f64::from);
+    builder.camera = Some(Camera::framing(low, high, width / height.max(1.0)));
+    builder.focus = Some([low, high]);
+    stage.put_up(builder)
 }
 
 /// Ends reading: what coincides is left out, and told.
@@ -176,11 +260,11 @@ fn settle(builder: &mut SceneBuilder, log: &mut Log) {
     }
 }
 
-const GREY_IS: &str = "a diffuse grey of Kd 0.5 is used";
+const GREY_IS: &str = "a glossy grey of Kd 0.3, Ks 0.2, alpha 0.25 is used";
 
-/// The surface of a model that brings none.
+/// The surface of a model that brings none: glossy, so that models and roughness act on it.
 fn grey(log: &Log) -> Result<Material, ReadError> {
-    Material::reflecting("grey", [0.5; 3], [0.0; 3], 10.0)
+    Material::reflecting("grey", [0.3; 3], [0.2; 3], 30.0)
         .map_err(|e| log.error(None, e.to_string()))
 }
 

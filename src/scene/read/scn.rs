@@ -148,7 +148,7 @@ type Command<'a> =
 impl<'a> Reader<'a> {
     /// The commands. Arguments in brackets are given all or not at all; `ORIENT` is any number of
     /// `x deg`, `y deg`, `z deg`, `q w x y z` and `a deg ax ay az`.
-    const COMMANDS: [Command<'a>; 10] = [
+    const COMMANDS: [Command<'a>; 11] = [
         ("screen", "W H", Reader::screen),
         ("camera", CAMERA, Reader::camera),
         ("ambient", "r g b", Reader::ambient),
@@ -159,6 +159,7 @@ impl<'a> Reader<'a> {
         ("cylinder", "bx by bz ax ay az r", Reader::cylinder),
         ("mesh", "FILE tx ty tz s ORIENT", Reader::mesh),
         ("environment", "r g b", Reader::environment),
+        ("caption", "TEXT", Reader::caption),
     ];
 
     /// The comment on the line above, or else the command and its line.
@@ -305,6 +306,13 @@ impl<'a> Reader<'a> {
     fn environment(&mut self, args: &mut Args) -> Result<(), Problem> {
         self.builder.environment = Material::light("environment", args.numbers()?)?.emission;
         self.replaces("environment");
+        Ok(())
+    }
+
+    /// What to look for in the scene.
+    fn caption(&mut self, args: &mut Args) -> Result<(), Problem> {
+        self.builder.caption = Some(args.text()?.chars().take(200).collect());
+        self.replaces("caption");
         Ok(())
     }
 

@@ -62,6 +62,7 @@ pub(crate) fn describe(curve: Curve) -> &'static str {
         Curve::Srgb => "min(x, 1): what is too bright is clipped.",
         Curve::Reinhard => "x / (1 + x), each channel: never clips, lowers contrast.",
         Curve::Filmic => "A film-like curve with a toe and a shoulder.",
+        Curve::Neutral => "Khronos PBR Neutral: highlights keep their shape and hue.",
     }
 }
 

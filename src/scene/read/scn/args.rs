@@ -81,6 +81,14 @@ impl<'a> Args<'a> {
         Ok(bare)
     }
 
+    /// All that is left of the line, some text.
+    pub(super) fn text(&mut self) -> Result<&'a str, Problem> {
+        let (name, text) = (self.name(), self.rest.trim());
+        self.token(name)?;
+        self.rest = "";
+        Ok(text)
+    }
+
     /// The next arguments, numbers.
     pub(super) fn numbers<const N: usize>(&mut self) -> Result<[f64; N], Problem> {
         let mut numbers = [0.0; N];
