@@ -15,7 +15,7 @@ fn params(name: &str, size: [u32; 2]) -> Params {
 /// their standard error; what the bounds leave is ten times what seeds change it by.
 #[test]
 fn intervals_hold_the_truth_and_the_estimate_is_the_error() {
-    for name in ["default", "cornell"] {
+    for name in ["shell", "cornell"] {
         let renders =
             Renders::new(&params(name, [80, 60]), &[32, 128], 12, 0, &mut |_| {}).unwrap();
         for c in renders.calibrations() {
@@ -46,7 +46,7 @@ fn the_limit_holds_where_a_lamps_corner_owns_the_error() {
 /// a probability below 2 % if each is with 5 %; the seeds are fixed.
 #[test]
 fn a_wanted_error_is_kept() {
-    let renders = Renders::new(&params("default", [48, 36]), &[128], 12, 0, &mut |_| {}).unwrap();
+    let renders = Renders::new(&params("shell", [48, 36]), &[128], 12, 0, &mut |_| {}).unwrap();
     let stopped = renders.stopped(0.17, 12, 0, &mut |_| {}).unwrap();
     assert!(stopped.kept > 0.8, "{stopped:?}");
     assert!((StopRule::FIRST as f64..300.0).contains(&stopped.passes), "{stopped:?}");
@@ -77,7 +77,7 @@ fn an_error_that_a_few_pixels_own_is_not_called_reliable() {
 /// that of 64 passes at once, the errors too.
 #[test]
 fn resuming_continues_the_same_sequence() {
-    let params = params("default", [40, 30]);
+    let params = params("shell", [40, 30]);
     let once = render(params.clone(), 64, 2).unwrap();
     let session = Session::with_options(params, 24, Options::headless(1), || {}).unwrap();
     let done = |passes: u64| {

@@ -63,7 +63,7 @@ fn everything() -> Scene {
 }
 
 fn scenes() -> Vec<Scene> {
-    let shipped = ["default", "cornell", "plates", "lights"]
+    let shipped = ["shell", "cornell", "plates", "lights"]
         .map(|name| Example::named(name).unwrap().read().unwrap().0.build());
     std::iter::once(everything()).chain(shipped).collect()
 }
@@ -210,7 +210,7 @@ fn lamp_alone() -> Scene {
 fn looking_further_for_lamps_changes_the_noise_and_nothing_else() {
     let (size, seeds) = ([24, 20], 600);
     let shipped =
-        ["default", "plates"].map(|name| Example::named(name).unwrap().read().unwrap().0.build());
+        ["shell", "plates"].map(|name| Example::named(name).unwrap().read().unwrap().0.build());
     let bounds = [0.3, 0.95, 0.96, 0.6];
     let scenes = [lamp_alone(), everything()].into_iter().chain(shipped);
     for (i, (scene, bound)) in scenes.zip(bounds).enumerate() {

@@ -442,7 +442,7 @@ fn both_ways_to_draw_normals_agree() {
 /// the scene hardly notices, both are as noisy, and their difference is not.
 #[test]
 fn right_and_wrong_pictures_have_their_noise_in_common() {
-    let (builder, _) = Example::named("default").unwrap().read().unwrap();
+    let (builder, _) = Example::named("shell").unwrap().read().unwrap();
     let base = Params { size: [32, 24], ..Params::new(Arc::new(builder.build())) };
     let bench = Bench { base, passes: 16, pairs: 4, threads: 0 };
     let pictures = |erratum| bench.pictures(Model::Ggx, erratum).unwrap();

@@ -3,7 +3,8 @@
 
 use burnish::picture::{Picture, Tone, read_exr, read_recipe, write};
 use burnish::progressive::{Params, Recipe, render};
-use burnish::scene::builtin::default_scene;
+use burnish::scene::builtin::{EXAMPLES, Example, default_scene};
+use burnish::scene::presets::PRESETS;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -440,4 +441,55 @@ fn a_disk_that_fills_up_costs_no_file() {
         .collect();
     names.sort();
     assert_eq!(names, ["old.exr", "old.png"]);
+}
+
+#[test]
+fn presets_are_listed_with_their_sources() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = must(&folder, &["info", "--presets"]);
+    assert_eq!(text.lines().count(), PRESETS.len());
+    for (line, preset) in text.lines().zip(&PRESETS) {
+        assert!(line.starts_with(preset.name) && line.ends_with(preset.source), "{line}");
+        for number in preset.ks.iter().chain([&preset.alpha]) {
+            assert!(line.split_whitespace().any(|word| word == number.to_string()), "{line}");
+        }
+    }
+}
+
+#[test]
+fn captions_of_shipped_scenes_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = must(&folder, &["--help"]);
+    for example in &EXAMPLES {
+        let caption = example.caption().unwrap();
+        let listed = |l: &str| l.trim_start().starts_with(example.name) && l.ends_with(caption);
+        assert!(help.lines().any(listed), "{}: {help}", example.name);
+    }
+    let text = must(&folder, &["info", "plates"]);
+    assert!(text.contains(Example::named("plates").unwrap().caption().unwrap()), "{text}");
+}
+
+/// A model's axis is in the recipe, and the command that makes the picture again gives it.
+#[test]
+fn the_axis_of_a_model_is_in_its_recipe() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    fs::write(folder.path().join("m.obj"), model).unwrap();
+    let small = ["--size", "24x18", "--passes", "2"];
+    for (up, told) in [(&["--up", "-x"][..], "-x"), (&["--up=y"], "y"), (&[], "z")] {
+        let render = [&["render", "m.obj", "-o", "a.exr"][..], &small, up].concat();
+        must(&folder, &render);
+        let recipe = recipe(&folder.path().join("a.exr"));
+        assert_eq!(recipe.scene.up.as_deref(), Some(told));
+        let again: Vec<String> = recipe.arguments();
+        let at = again.iter().position(|word| word == "--up").unwrap();
+        assert_eq!(again[at + 1], told);
+        let words = ["render", "m.obj", "-o", "b.exr"].map(str::to_owned);
+        let words: Vec<String> = words.into_iter().chain(again).collect();
+        must(&folder, &words.iter().map(String::as_str).collect::<Vec<_>>());
+        let [a, b] = ["a.exr", "b.exr"].map(|n| read_exr(&folder.path().join(n)).unwrap());
+        assert_eq!(a, b, "{told}");
+        let text = must(&folder, &[&["info", "m.obj"][..], up].concat());
+        assert!(text.lines().any(|l| l.starts_with("up ") && l.contains(told)), "{text}");
+    }
 }

@@ -50,7 +50,7 @@ fn bodies(name: &str, [ks, exponent]: [f64; 2], sharp: f64) -> Scene {
 
 fn scenes() -> Vec<Scene> {
     let shipped =
-        ["default", "cornell"].map(|name| Example::named(name).unwrap().read().unwrap().0.build());
+        ["shell", "cornell"].map(|name| Example::named(name).unwrap().read().unwrap().0.build());
     [touching(), mirrors()].into_iter().chain(shipped).collect()
 }
 

@@ -45,8 +45,9 @@ pub enum StageError {
 /// Radius of the ground: [`Camera::framing`](super::Camera::framing) sees nothing beyond it.
 const GROUND: f64 = 60.0;
 const THICKNESS: f64 = 0.5;
-/// The ground lies lower than the model, by this: surfaces of both would share a place otherwise.
-const GAP: f64 = 1e-4;
+/// The ground lies lower than the model, by a fifth of a pixel or so: surfaces of both would share a
+/// place otherwise.
+const GAP: f64 = 1e-3;
 
 impl Stage {
     /// Radiance of every direction that hits nothing, W/(m² sr).
@@ -116,7 +117,7 @@ mod tests {
         let stage = Stage::around(low, high).unwrap();
         let (base, axis, radius) = stage.ground();
         let top = (base + axis).z;
-        assert!(top < low.z && low.z - top < 1e-3 * stage.radius);
+        assert!(top < low.z && low.z - top < 2e-3 * stage.radius);
         assert!(radius > 10.0 * stage.radius);
         let camera = crate::scene::Camera::framing(low, high, 4.0 / 3.0);
         for light in stage.lights() {

@@ -32,8 +32,11 @@ fn height(builder: SceneBuilder) -> f64 {
 #[test]
 fn a_model_stands_on_its_foot_and_the_report_says_so() {
     for (tip, why) in [(Axis::Y, "the custom of such files"), (Axis::Z, "its larger foot")] {
-        let (builder, report) = obj(&pyramid(tip), None).unwrap();
+        let (builder, mut report) = obj(&pyramid(tip), None).unwrap();
         assert_eq!((builder.source.up, warnings(&report)), (Some(tip), vec![]));
+        // Its base and the ground are two surfaces.
+        builder.clone().build().report(&mut report);
+        assert!(!report.notes.iter().any(|note| note.contains("share a place")), "{report:?}");
         let note = format!("its axis {} points up, by {why}; another can be chosen", tip.name());
         assert!(report.notes.contains(&note), "{:?}", report.notes);
         assert!((height(builder) - 3.0).abs() < 1e-12, "{tip:?}");

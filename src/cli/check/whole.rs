@@ -87,7 +87,7 @@ fn figure(o: &Outcome, drawn: bool) -> Result<(), Failure> {
 }
 
 /// Scenes of the calibration, all at this size: small, so that lamps are smaller than pixels.
-const SCENES: [&str; 3] = ["default", "cornell", "plates"];
+const SCENES: [&str; 3] = ["shell", "cornell", "plates"];
 const SIZE: [u32; 2] = [64, 48];
 const RENDERS: u64 = 200;
 const PASSES: [u64; 4] = [16, 32, 64, 256];

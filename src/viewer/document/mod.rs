@@ -124,7 +124,7 @@ impl Document {
 
     /// What the camera moves about.
     pub(crate) fn subject(&self) -> Subject {
-        Subject::new(self.params.scene.bounds())
+        Subject::new(self.params.scene.focus())
     }
 
     /// Width over height of the picture.

@@ -189,8 +189,8 @@ fn every_group_gets_what_the_formula_says() {
     for (name, model, weak) in [
         ("cornell", Model::Ggx, false),
         ("plates", Model::Phong, false),
-        ("default", Model::Ggx, false),
-        ("default", Model::Ggx, true),
+        ("shell", Model::Ggx, false),
+        ("shell", Model::Ggx, true),
         ("cornell", Model::Phong, true),
     ] {
         let mut scene = Example::named(name).unwrap().read().unwrap().0.build();
