@@ -73,7 +73,7 @@ fn missing_materials_are_warnings() {
     ] {
         let (builder, report) = obj(&format!("{lines}{TRIANGLE}")).unwrap();
         assert_eq!(warnings(&report), expected);
-        assert_eq!(only_material(&builder).kd, [0.5; 3]);
+        assert_eq!(only_material(&builder).kd, [0.3; 3]);
     }
     // Several files on one line, a name with spaces, and a material used before its file is named.
     let files = Memory(&[("a.mtl", b"newmtl a\nKd 1"), ("b c.mtl", b"newmtl b\nKd 1")]);
@@ -220,7 +220,7 @@ fn a_file_without_its_material_leaves_a_grey_one() {
         ("newmtl M\nKd 1 0 0", ""),
     ] {
         let (builder, report) = with_mtl(mtl.as_bytes()).unwrap();
-        assert_eq!(only_material(&builder).kd, [0.5; 3], "{mtl}");
+        assert_eq!(only_material(&builder).kd, [0.3; 3], "{mtl}");
         let expected: Vec<&str> = [none, told].into_iter().filter(|t| !t.is_empty()).collect();
         assert_eq!(warnings(&report), expected, "{mtl}");
     }
@@ -347,7 +347,7 @@ fn names_that_are_blank_are_no_names() {
             ]
         );
         let kd: Vec<f32> = builder.materials().iter().map(|m| m.kd[0]).collect();
-        assert_eq!(kd, [0.5, 0.75]);
+        assert_eq!(kd, [0.3, 0.75]);
     }
 }
 
@@ -405,7 +405,7 @@ fn libraries_are_found_by_what_is_meant() {
     }
     for name in ["none.mtl", "..", "/", "\"", "\"\"", ".\\", "x/..", "Sub Folder", "\\", "%20"] {
         let (found, told) = read_with(name.as_bytes());
-        assert_eq!(found, 0.5, "{name}");
+        assert_eq!(found, 0.3, "{name}");
         assert!(told.iter().any(|w| w.contains("mtllib: cannot read")), "{name}: {told:?}");
     }
     #[cfg(unix)]
