@@ -114,6 +114,12 @@ pub fn free() -> Option<Free> {
     of_limits.chain(machine).chain(groups).min_by_key(|free| free.bytes)
 }
 
+/// The memory that the machine has, in bytes; `None` where the system does not tell, which is anywhere
+/// but on Linux.
+pub fn machine() -> Option<u64> {
+    kib(&fs::read_to_string("/proc/meminfo").ok()?, "MemTotal:")
+}
+
 /// What tells the C library to have one place for all threads, before a program begins. Without it
 /// each thread sets aside address space of its own.
 pub const ONE_PLACE: (&str, &str) = ("MALLOC_ARENA_MAX", "1");

@@ -14,7 +14,7 @@ mod error;
 mod interval;
 
 pub use error::{DEGREES_OF_FREEDOM, ErrorEstimate, ErrorSums, Estimate, Figure, REL_MSE_FLOOR};
-pub use interval::{CONFIDENCE, Interval, normal_score, ratio, student};
+pub use interval::{CONFIDENCE, Interval, normal_score, ratio, student, tail};
 
 use crate::math::Rgb;
 use crate::math::sequence::REPLICATES;

@@ -134,7 +134,7 @@ impl Driver {
 
     fn in_the_background(&mut self, turn: Turn, params: Params) {
         let mut accumulator = self.accumulator(turn, params);
-        if self.run(&mut accumulator, u64::MAX) {
+        if self.run(&mut accumulator, self.at.passes) {
             self.put_aside(accumulator);
         } else {
             self.faulty.push(accumulator.epoch.params);

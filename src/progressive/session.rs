@@ -199,8 +199,8 @@ impl Session {
         Ok(number)
     }
 
-    /// Renders these, to the same limit and the first first, whenever the present ones are done or
-    /// paused, as far as there is [memory](Options::keep) to keep them.
+    /// Renders these, the first first, whenever the present ones are done or paused: to as many passes
+    /// as those have, and as far as there is [memory](Options::keep) to keep them.
     pub fn set_background(&self, params: Vec<Params>) {
         let mut wanted = self.shared.lock();
         if wanted.background != params {
@@ -403,7 +403,8 @@ impl Shared {
             }
             if !at.failed {
                 idle(if at.passes >= limit { State::Done } else { State::Paused });
-                let next = wanted.background.iter().find(|p| there(p).is_some_and(|n| n < limit));
+                let far = limit.min(at.passes);
+                let next = wanted.background.iter().find(|p| there(p).is_some_and(|n| n < far));
                 if let Some(params) = next {
                     return Work::Background(turn(Role::Background), Box::new(params.clone()));
                 }
