@@ -32,6 +32,8 @@ impl App {
             Action::Browse => self.browse(ctx),
             Action::Reload => self.reload(ctx),
             Action::CopyCommand => self.copy_command(ctx),
+            Action::Compare => self.compare.on = !self.compare.on,
+            Action::Tag => self.tag(),
             _ => self.edit(ctx, action),
         }
     }
@@ -115,6 +117,15 @@ impl App {
             self.notice = Some(Notice::news("The file before is still being written"));
         }
         self.saving.is_some()
+    }
+
+    /// Keeps the picture as it is, to compare others with.
+    fn tag(&mut self) {
+        let (Some(document), Some(render)) = (&self.document, &self.render) else { return };
+        let Some(snapshot) = &render.newest else { return };
+        let name = format!("{}, {} passes", document.params.model.title(), snapshot.passes);
+        self.notice = Some(Notice::news(format!("Tagged: {name}. Compare with it by C")));
+        self.compare.take_tag(name, snapshot.clone());
     }
 
     fn copy_command(&mut self, ctx: &Context) {

@@ -4,12 +4,15 @@
 use crate::viewer::document::Document;
 use crate::viewer::jobs::browse::{Browsing, Dialog, Picked};
 use crate::viewer::jobs::load::{Failed, Loaded, Loading, Source};
+use crate::viewer::jobs::reference::ReadingPicture;
 use crate::viewer::jobs::save::Saving;
 use crate::viewer::jobs::watch::Watch;
 use crate::viewer::keys::{self, Action};
+use crate::viewer::panels::compare::Compare;
 use crate::viewer::panels::controls::Controls;
 use crate::viewer::panels::energy::Energy;
 use crate::viewer::panels::help::Help;
+use crate::viewer::panels::kept::KeptPanel;
 use crate::viewer::panels::materials::Materials;
 use crate::viewer::panels::method::{self, MethodPanel};
 use crate::viewer::panels::notice::Notice;
@@ -21,11 +24,12 @@ use crate::viewer::panels::tracing::TracingPanel;
 use crate::viewer::panels::view::View;
 use crate::viewer::picture::canvas::Canvas;
 use crate::viewer::picture::readout;
+use crate::viewer::picture::versus::Versus;
 use crate::viewer::render::Render;
 use crate::viewer::settings::Settings;
 use crate::viewer::style::theme;
 use crate::viewer::style::widgets;
-use burnish::progressive::State;
+use burnish::progressive::{Snapshot, State};
 use egui::{
     Align2, Area, CentralPanel, Context, Frame, Id, Margin, Order, Panel, ScrollArea, Ui,
     ViewportCommand, vec2,
@@ -60,6 +64,8 @@ pub(super) struct App {
     /// A scene that could not be read and is not the one shown; it is once its files change.
     pub(super) missed: Option<Missed>,
     pub(super) saving: Option<Saving>,
+    /// A picture to compare with, being read.
+    pub(super) reading: Option<ReadingPicture>,
     pub(super) browsing: Option<Browsing>,
     dialog: Dialog,
     pub(super) notice: Option<Notice>,
@@ -69,6 +75,7 @@ pub(super) struct App {
     /// While changed files are to be read again.
     pub(super) watch: Option<Watch>,
     controls: Controls,
+    pub(super) compare: Compare,
     view: View,
     materials: Materials,
     tracing: TracingPanel,
@@ -84,6 +91,8 @@ pub(super) struct App {
     /// Where snapshots go.
     pub(super) folder: PathBuf,
     pub(super) full_screen: bool,
+    /// Whether the canvas shows another picture than the one being traced.
+    substituted: bool,
 }
 
 impl App {
@@ -98,6 +107,7 @@ impl App {
             source: source.clone(),
             missed: None,
             saving: None,
+            reading: None,
             browsing: None,
             dialog,
             notice: None,
@@ -105,6 +115,7 @@ impl App {
             settings,
             watch: None,
             controls: Controls,
+            compare: Compare::new(),
             view: View,
             materials: Materials::default(),
             tracing: TracingPanel::default(),
@@ -118,6 +129,7 @@ impl App {
             threads,
             folder,
             full_screen: false,
+            substituted: false,
         };
         app.load(ctx, source, false);
         app
@@ -141,16 +153,28 @@ impl App {
                 Err(why) => Notice::error(why),
             });
         }
-        let (Some(render), Some(document)) = (&mut self.render, &self.document) else { return };
-        let (now, touched) = ctx.input(|i| (i.time, !i.events.is_empty()));
-        render.pace(now, touched);
-        if render.drain()
-            && let Some(snapshot) = &render.newest
-        {
-            self.canvas.show(snapshot, document);
-            if let State::Failed(why) = &snapshot.state {
-                self.notice = Some(Notice::error(why.as_str()));
+        if let Some(result) = self.reading.as_ref().and_then(ReadingPicture::poll) {
+            self.reading = None;
+            match result {
+                Ok(frozen) => self.compare.take_file(frozen),
+                Err(why) => self.notice = Some(Notice::error(why)),
             }
+        }
+        let (Some(render), Some(document)) = (&mut self.render, &self.document) else { return };
+        let (now, touched, down) =
+            ctx.input(|i| (i.time, !i.events.is_empty(), i.pointer.any_down()));
+        render.pace(now, touched);
+        render.switch_like(self.settings.switching);
+        let news = render.drain();
+        if let (true, Some(snapshot)) = (news, &render.newest) {
+            // What is dragged is to be seen at once.
+            let hold = if down { 0 } else { self.settings.switching.hold };
+            if self.compare.first_frozen().is_some() || self.canvas.show(snapshot, document, hold) {
+                render.is_shown();
+            }
+        }
+        if let (true, Some(Snapshot { state: State::Failed(why), .. })) = (news, &render.newest) {
+            self.notice = Some(Notice::error(why.as_str()));
         }
     }
 
@@ -213,19 +237,23 @@ impl App {
         let mut asked = Vec::new();
         let (mut source, mut threads) = (None, None);
         let mut watch = self.settings.watch;
-        let recent = &self.settings.recent;
+        let recent = self.settings.recent.clone();
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             Frame::new().inner_margin(Margin::same(16)).show(ui, |ui| {
                 ui.set_max_width(theme::PANEL - 32.0);
                 let Some(document) = &mut self.document else {
-                    source = open::files(ui, recent, &mut asked);
+                    source = open::files(ui, &recent, &mut asked);
                     return;
                 };
                 asked.extend(self.controls.ui(ui, document, &mut self.energy));
-                source = open::files(ui, recent, &mut asked);
+                self.compare.ui(ui, document, &mut asked);
+                source = open::files(ui, &recent, &mut asked);
                 self.materials.ui(ui, document);
                 asked.extend(self.view.ui(ui, document));
                 threads = self.tracing.ui(ui, document, self.threads, self.canvas.room);
+                if let Some(render) = &self.render {
+                    KeptPanel.ui(ui, render.kept(), &mut self.settings.switching);
+                }
                 self.method.ui(ui, document);
                 asked.extend(self.report.ui(ui, document, &mut self.energy, &mut watch));
                 // Last, for it grows when its proofs are done.
@@ -256,7 +284,8 @@ impl App {
     }
 
     fn picture(&mut self, ui: &mut Ui) {
-        let space = self.canvas.ui(ui, self.document.as_mut()).rect;
+        let versus = self.versus(ui.ctx());
+        let space = self.canvas.ui(ui, self.document.as_mut(), versus).rect;
         if self.canvas.is_empty() && self.loading.is_none() && self.document.is_none() {
             let words = "Drop a scene here, or press Ctrl-O";
             let font = egui::TextStyle::Heading.resolve(ui.style());
@@ -288,7 +317,38 @@ impl App {
         }
     }
 
+    /// What is compared in this frame, if there are two pictures.
+    fn versus(&mut self, ctx: &Context) -> Option<Versus> {
+        let (document, render) = (self.document.as_ref()?, self.render.as_ref()?);
+        let compare = &mut self.compare;
+        let first = compare.first_frozen().map(|f| f.snapshot.clone());
+        let back = first.is_none() && self.substituted;
+        if let Some(first) = first.as_ref().or(render.newest.as_ref().filter(|_| back)) {
+            self.canvas.put(0, first, document);
+        }
+        self.substituted = first.is_some();
+        let traced = render.beside().cloned();
+        let second = compare.second_frozen().map(|f| f.snapshot.clone()).or(traced);
+        let Some(second) = second.filter(|_| compare.on) else {
+            self.canvas.alone();
+            return None;
+        };
+        self.canvas.put(1, &second, document);
+        let first = first.or_else(|| render.newest.clone())?;
+        let answer = compare.compared(ctx, document, &first, &second);
+        let difference = answer.and_then(|answer| answer.image.clone());
+        let names = compare.names(document);
+        Some(Versus { layout: compare.layout, names, difference })
+    }
+
     pub(super) fn load(&mut self, ctx: &Context, source: Source, again: bool) {
+        if let Some(path) = source.path().filter(|path| ReadingPicture::is_for(path)) {
+            match ReadingPicture::start(ctx, path.to_path_buf()) {
+                Ok(reading) => self.reading = Some(reading),
+                Err(why) => self.notice = Some(Notice::error(why)),
+            }
+            return;
+        }
         self.source = source.clone();
         match Loading::start(ctx, source, again) {
             Ok(loading) => self.loading = Some(loading),
@@ -325,7 +385,8 @@ impl App {
         let document = Document::open(loaded, self.document.as_ref(), first);
         let told = match &mut self.render {
             Some(render) => render.tell(&document),
-            None => Render::start(ctx, &document, self.threads).map(|r| self.render = Some(r)),
+            None => Render::start(ctx, &document, self.threads, self.settings.switching)
+                .map(|r| self.render = Some(r)),
         };
         match told {
             Ok(()) => {
@@ -402,7 +463,7 @@ impl App {
     /// Other workers for the same document. The old ones end in the background, with their tile.
     fn set_threads(&mut self, ctx: &Context, threads: usize) {
         let Some(document) = &self.document else { return };
-        match Render::start(ctx, document, threads) {
+        match Render::start(ctx, document, threads, self.settings.switching) {
             Ok(render) => {
                 self.threads = threads;
                 let old = self.render.replace(render);
@@ -430,6 +491,10 @@ impl App {
         if let Err(why) = render.tell(document) {
             self.notice = Some(Notice::error(why.to_string()));
             document.params = render.told().clone();
+        }
+        if let Err(why) = render.tell_beside(self.compare.beside(ctx, document)) {
+            self.notice = Some(Notice::error(why.to_string()));
+            self.compare.on = false;
         }
         let (now, down) = ctx.input(|i| (i.time, i.pointer.any_down()));
         document.note(now, down);

@@ -23,6 +23,8 @@ pub(super) enum Action {
     CopyCommand,
     Brighter,
     Darker,
+    Compare,
+    Tag,
     Zoom,
     FullScreen,
     Undo,
@@ -189,6 +191,21 @@ pub(super) const TABLE: &[Binding] = &[
         tip: "Exposure 1/2 stop up. Changes what is shown, not what is traced.",
     },
     Binding {
+        action: Action::Compare,
+        keys: &[plain(Key::C)],
+        name: "Compare",
+        does: "Compare two pictures, or not",
+        tip: "Lays two pictures against each other: models, roughnesses, a tag, or a file. What they \
+              are is under \"Compare\" in the side panel.",
+    },
+    Binding {
+        action: Action::Tag,
+        keys: &[plain(Key::T)],
+        name: "Tag",
+        does: "Tag the picture as it is",
+        tip: "Keeps the picture as it is now, to compare others with. The next tag replaces it.",
+    },
+    Binding {
         action: Action::Zoom,
         keys: &[plain(Key::Z)],
         name: "Fit or 1:1",
@@ -240,6 +257,8 @@ pub(super) const MOUSE: &[(&str, &str)] = &[
     ("Click", "Pick the material, or all"),
     ("Ctrl-wheel", "Zoom the picture"),
     ("Right drag", "Move the zoomed picture"),
+    ("Drag the bar", "Wipe between two pictures that are compared"),
+    ("Hold X", "See the second picture, where they flip"),
 ];
 
 /// What the arrow keys do once the picture has the focus (Tab), for the help.

@@ -3,7 +3,9 @@
 
 use crate::viewer::document::Document;
 use crate::viewer::document::goal::{Goal, Stop};
-use burnish::progressive::{Params, ParamsError, Session, Snapshot, State};
+use crate::viewer::settings::Switching;
+use burnish::brdf::Model;
+use burnish::progressive::{KeptPictures, Options, Params, ParamsError, Session, Snapshot, State};
 use egui::Context;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -26,6 +28,12 @@ const CALM_SHARE: f32 = 60.0;
 pub(super) struct Render {
     session: Session,
     told: Params,
+    /// What is traced beside it.
+    beside: Option<Params>,
+    beside_epoch: u64,
+    /// The newest picture of that.
+    newest_beside: Option<Snapshot>,
+    switching: Switching,
     goal: Goal,
     /// Passes at which the workers are to stop: for good, or until the error has been looked at.
     limit: u64,
@@ -53,6 +61,7 @@ impl Render {
         ctx: &Context,
         document: &Document,
         threads: usize,
+        switching: Switching,
     ) -> Result<Render, ParamsError> {
         let ctx_time = ctx.input(|i| i.time);
         let awaited = Arc::new(AtomicBool::new(true));
@@ -68,10 +77,15 @@ impl Render {
         };
         let told = document.params.clone();
         let (goal, limit) = (document.goal, document.goal.limit(0, None));
-        let session = Session::start(told.clone(), limit, threads, notify)?;
+        let options = Options { keep: switching.keep << 20, ..Options::interactive(threads) };
+        let session = Session::with_options(told.clone(), limit, options, notify)?;
         let mut render = Render {
             session,
             told,
+            beside: None,
+            beside_epoch: 0,
+            newest_beside: None,
+            switching,
             goal,
             limit,
             paused: false,
@@ -85,6 +99,7 @@ impl Render {
             touched: ctx_time,
         };
         render.tell(document)?;
+        render.refine_others();
         Ok(render)
     }
 
@@ -99,6 +114,7 @@ impl Render {
             self.await_first_pixels();
             self.epoch = self.session.set(document.params.clone())?;
             self.told = document.params.clone();
+            self.refine_others();
             self.aim(document.goal);
         } else if document.goal != self.goal {
             self.aim(document.goal);
@@ -109,6 +125,55 @@ impl Render {
             if self.paused { self.session.pause() } else { self.session.resume() }
         }
         Ok(())
+    }
+
+    /// Has the workers trace these in turn with the present parameters.
+    pub(super) fn tell_beside(&mut self, params: Option<Params>) -> Result<(), ParamsError> {
+        if params != self.beside {
+            self.beside_epoch = self.session.set_beside(params.clone())?;
+            self.newest_beside = None;
+            self.beside = params;
+            self.refine_others();
+        }
+        Ok(())
+    }
+
+    /// Follows other settings.
+    pub(super) fn switch_like(&mut self, switching: Switching) {
+        if switching != self.switching {
+            self.switching = switching;
+            self.session.set_keep(switching.keep << 20);
+            self.refine_others();
+        }
+    }
+
+    /// What is kept of other parameters.
+    pub(super) fn kept(&self) -> KeptPictures {
+        self.session.kept()
+    }
+
+    /// The newest picture of what is traced beside the shown one; that itself where the two are the
+    /// same.
+    pub(super) fn beside(&self) -> Option<&Snapshot> {
+        match &self.beside {
+            Some(params) if *params == self.told => self.current(),
+            Some(_) => self.newest_beside.as_ref(),
+            None => None,
+        }
+    }
+
+    /// What is traced beside the shown one.
+    #[cfg(test)]
+    pub(super) fn beside_params(&self) -> Option<&Params> {
+        self.beside.as_ref()
+    }
+
+    /// The other models may be wanted next.
+    fn refine_others(&self) {
+        let others = Model::ALL.into_iter().filter(|_| self.switching.refine);
+        let others = others.filter(|&model| model != self.told.model);
+        self.session
+            .set_background(others.map(|model| Params { model, ..self.told.clone() }).collect());
     }
 
     /// Starts again from the first pass.
@@ -126,16 +191,23 @@ impl Render {
 
     /// Takes the newest picture, if there is a new one.
     pub(super) fn drain(&mut self) -> bool {
-        let Some(snapshot) = self.session.latest() else { return false };
-        if snapshot.epoch >= self.epoch && self.awaited.swap(false, Ordering::Relaxed) {
-            self.latency = Some(self.changed.elapsed());
+        if let Some(beside) = self.session.latest_beside() {
+            self.newest_beside = Some(beside).filter(|s| s.epoch == self.beside_epoch);
         }
+        let Some(snapshot) = self.session.latest() else { return false };
         self.newest = Some(snapshot);
         let looks = |s: &Snapshot| s.state == State::Done && s.passes >= self.limit;
         if self.goal.stop == Stop::Error && self.current().is_some_and(looks) {
             self.aim(self.goal);
         }
         true
+    }
+
+    /// Takes note that the newest picture is shown.
+    pub(super) fn is_shown(&mut self) {
+        if self.current().is_some() && self.awaited.swap(false, Ordering::Relaxed) {
+            self.latency = Some(self.changed.elapsed());
+        }
     }
 
     /// Takes note of how many seconds drawing one frame takes.

@@ -19,7 +19,34 @@ pub(super) struct Settings {
     pub(super) recent: Recent,
     /// Whether changed files are read again.
     pub(super) watch: bool,
+    pub(super) switching: Switching,
     pub(super) place: Place,
+}
+
+/// What happens to a picture when another is wanted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Switching {
+    /// Memory for pictures that may be wanted again, in MiB.
+    pub(super) keep: u64,
+    /// Whether the other models are refined while there is nothing else to do.
+    pub(super) refine: bool,
+    /// The old picture stays until the new one has this many passes; 0 for its first blocks.
+    pub(super) hold: u64,
+}
+
+impl Switching {
+    /// Most memory that can be set, in MiB.
+    pub(super) const KEEP: u64 = 1 << 20;
+    /// Most passes that can be waited for.
+    pub(super) const HOLD: u64 = 64;
+}
+
+impl Default for Switching {
+    /// A quarter of the machine's memory, or 1 GiB where the system does not tell.
+    fn default() -> Switching {
+        let keep = burnish::limits::machine().map_or(1 << 10, |bytes| bytes / 4 >> 20);
+        Switching { keep: keep.min(Switching::KEEP), refine: true, hold: 1 }
+    }
 }
 
 /// Where the window is on the screen, in points.
@@ -39,6 +66,7 @@ impl Default for Settings {
             goal: Goal::default(),
             recent: Recent::default(),
             watch: true,
+            switching: Switching::default(),
             place: Place::default(),
         }
     }
@@ -73,6 +101,8 @@ impl Settings {
         let number = |name: &str, [low, high]: [f64; 2]| {
             file.get(name).and_then(Value::as_f64).filter(|x| (low..=high).contains(x))
         };
+        let whole =
+            |name: &str, most: u64| file.get(name).and_then(Value::as_u64).filter(|n| *n <= most);
         let pair = |name: &str, [low, high]: [f32; 2]| {
             let values = file.get(name)?.as_array()?.iter().map(|v| v.as_f64().map(|x| x as f32));
             let pair: [f32; 2] = values.collect::<Option<Vec<f32>>>()?.try_into().ok()?;
@@ -103,6 +133,14 @@ impl Settings {
             },
             recent: Recent::new(recent.filter_map(Value::as_str).map(PathBuf::from)),
             watch: file.get("watch").and_then(Value::as_bool).unwrap_or(first.watch),
+            switching: Switching {
+                keep: whole("keep", Switching::KEEP).unwrap_or(first.switching.keep),
+                refine: file
+                    .get("refine")
+                    .and_then(Value::as_bool)
+                    .unwrap_or(first.switching.refine),
+                hold: whole("hold", Switching::HOLD).unwrap_or(first.switching.hold),
+            },
             place: Place {
                 size: pair("size", [100.0, 32_768.0]),
                 position: pair("position", [-32_768.0, 32_768.0]),
@@ -124,6 +162,9 @@ impl Settings {
             "seconds": self.goal.seconds,
             "recent": recent,
             "watch": self.watch,
+            "keep": self.switching.keep,
+            "refine": self.switching.refine,
+            "hold": self.switching.hold,
             "size": self.place.size,
             "position": self.place.position,
         });
@@ -161,6 +202,7 @@ mod tests {
             goal: Goal { stop: Stop::Error, passes: 77, error: 0.02, seconds: 5.5 },
             recent: Recent::new(["/a/b.scn".into(), "/c d.obj".into()]),
             watch: false,
+            switching: Switching { keep: 77, refine: false, hold: 16 },
             place: Place { size: Some([900.0, 700.5]), position: Some([-20.0, 30.0]) },
         }
     }
@@ -195,6 +237,9 @@ mod tests {
             ("passes", json!(0)),
             ("error", json!("small")),
             ("seconds", json!(-1)),
+            ("keep", json!(1u64 << 40)),
+            ("refine", json!(1)),
+            ("hold", json!(-1)),
             ("recent", json!([1, null, "/a/b.scn", "/c d.obj"])),
             ("size", json!([1, 2, 3])),
             ("unknown", json!({})),
@@ -209,6 +254,9 @@ mod tests {
                 "exposure" => expected.tone.exposure = first.tone.exposure,
                 "passes" => expected.goal.passes = first.goal.passes,
                 "error" => expected.goal.error = first.goal.error,
+                "keep" => expected.switching.keep = first.switching.keep,
+                "refine" => expected.switching.refine = first.switching.refine,
+                "hold" => expected.switching.hold = first.switching.hold,
                 "seconds" => expected.goal.seconds = first.goal.seconds,
                 "size" => expected.place.size = None,
                 _ => {}

@@ -172,6 +172,17 @@ impl Document {
         Roughness::from_alpha(mean.exp().clamp(low, high)).map_or(Shown::None, Shown::Mixed)
     }
 
+    /// The same parameters with this roughness of all the materials in question.
+    pub(crate) fn with_roughness(&self, roughness: Roughness) -> Params {
+        let mut params = self.params.clone();
+        for (i, material) in Arc::make_mut(&mut params.materials).iter_mut().enumerate() {
+            if self.concerns(i) {
+                material.roughness = roughness;
+            }
+        }
+        params
+    }
+
     /// Gives all the materials in question this roughness.
     pub(crate) fn set_roughness(&mut self, roughness: Roughness) {
         self.edit(|_, material| material.roughness = roughness);

@@ -30,6 +30,11 @@ impl<Q: Clone + PartialEq + Send + 'static, A: Send + 'static> Background<Q, A> 
         self.last.as_ref().map(|(_, answer)| (answer, known))
     }
 
+    /// The newest answer so far.
+    pub(crate) fn last(&self) -> Option<&A> {
+        self.last.as_ref().map(|(_, answer)| answer)
+    }
+
     fn poll(&mut self) {
         let Some((question, result)) = self.running.take() else { return };
         match result.try_recv() {

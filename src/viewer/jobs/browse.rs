@@ -59,8 +59,8 @@ impl Browsing {
 pub(crate) fn native(folder: Option<&Path>) -> Picked {
     listen();
     let mut dialog = rfd::FileDialog::new()
-        .set_title("Open a scene")
-        .add_filter("Scenes", &["scn", "obj", "ply"])
+        .set_title("Open a scene or a picture")
+        .add_filter("Scenes and pictures", &["scn", "obj", "ply", "exr"])
         .add_filter("All files", &["*"]);
     if let Some(folder) = folder {
         dialog = dialog.set_directory(folder);

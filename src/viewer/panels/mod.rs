@@ -1,8 +1,10 @@
 //! The panels beside the picture and around it: one file each.
 
+pub(crate) mod compare;
 pub(crate) mod controls;
 pub(crate) mod energy;
 pub(crate) mod help;
+pub(crate) mod kept;
 pub(crate) mod materials;
 pub(crate) mod method;
 pub(crate) mod notice;

@@ -2,15 +2,17 @@
 
 use crate::viewer::document::Document;
 use crate::viewer::picture::orbit;
-use crate::viewer::picture::texture::PictureTexture;
+use crate::viewer::picture::side::Side;
+use crate::viewer::picture::versus::{self, DifferenceTexture, Versus};
 use crate::viewer::style::theme;
 use crate::viewer::style::widgets;
-use burnish::progressive::Snapshot;
-use burnish::scene::Camera;
+use burnish::progressive::{Snapshot, State};
+use burnish::scene::{Camera, Scene};
 use egui::{
     CursorIcon, EventFilter, Id, Key, Modifiers, PointerButton, Pos2, Rect, Response, Role, Sense,
     TextureOptions, Ui, Vec2, WidgetInfo, vec2,
 };
+use std::sync::Arc;
 
 /// Orbit angle for a drag across the whole picture, in radians.
 const TURN: f64 = std::f64::consts::PI;
@@ -39,9 +41,13 @@ pub(crate) struct Hover {
 }
 
 pub(crate) struct Canvas {
-    texture: Option<PictureTexture>,
-    /// A picture of another size, until there is something of it to be seen.
-    next: Option<PictureTexture>,
+    /// The picture, and the one that it is compared with.
+    sides: [Side; 2],
+    difference: DifferenceTexture,
+    /// Where the bar between the two is, as a part of the picture's width.
+    pub(crate) wipe: f32,
+    /// What the picture was last seen to be of.
+    seen: Option<Seen>,
     zoom: Zoom,
     /// Where the middle of the picture lies, from the middle of the space, in points.
     offset: Vec2,
@@ -52,11 +58,20 @@ pub(crate) struct Canvas {
     pub(crate) room: [u32; 2],
 }
 
+/// What a picture is of, and which one it is.
+struct Seen {
+    scene: Arc<Scene>,
+    camera: Camera,
+    epoch: u64,
+}
+
 impl Canvas {
     pub(crate) fn new() -> Canvas {
         Canvas {
-            texture: None,
-            next: None,
+            sides: Default::default(),
+            difference: DifferenceTexture::default(),
+            wipe: 0.5,
+            seen: None,
             zoom: Zoom::Fit,
             offset: Vec2::ZERO,
             hover: None,
@@ -68,12 +83,12 @@ impl Canvas {
     /// Whether all that has come is shown.
     #[cfg(test)]
     pub(crate) fn is_settled(&self) -> bool {
-        self.next.is_none() && self.texture.as_ref().is_none_or(|t| !t.is_busy())
+        self.sides.iter().all(Side::is_settled)
     }
 
     /// Whether anything has been shown yet.
     pub(crate) fn is_empty(&self) -> bool {
-        self.texture.is_none()
+        self.sides[0].texture.is_none()
     }
 
     /// Whether the arrow keys go to the picture.
@@ -87,63 +102,82 @@ impl Canvas {
         self.offset = Vec2::ZERO;
     }
 
-    /// Takes over the new tiles of a snapshot.
-    pub(crate) fn show(&mut self, snapshot: &Snapshot, document: &Document) {
-        if snapshot.tiles.iter().all(Option::is_none) {
-            return;
+    /// Takes over the new tiles of a snapshot, unless the picture before is of the same view and this
+    /// one is to wait until it has as many passes as `hold`. Whether it did.
+    pub(crate) fn show(&mut self, snapshot: &Snapshot, document: &Document, hold: u64) -> bool {
+        let params = &document.params;
+        let waits = self.seen.as_ref().is_some_and(|seen| {
+            let same_view = Arc::ptr_eq(&seen.scene, &params.scene) && seen.camera == params.camera;
+            let same_size = self.sides[0].size() == Some(snapshot.grid.size);
+            let coarse = snapshot.passes < hold && snapshot.state == State::Running;
+            seen.epoch != snapshot.epoch && same_view && same_size && coarse
+        });
+        if !waits {
+            self.sides[0].show(snapshot, document.tone);
+            let (scene, camera) = (params.scene.clone(), params.camera);
+            self.seen = Some(Seen { scene, camera, epoch: snapshot.epoch });
         }
-        let fits = |t: &&mut PictureTexture| t.size() == snapshot.grid.size;
-        let texture = match self.texture.as_mut().filter(fits) {
-            Some(texture) => {
-                self.next = None;
-                texture
-            }
-            None => {
-                let next = self.next.take().filter(|t| t.size() == snapshot.grid.size);
-                let fresh = || PictureTexture::new(snapshot.grid, document.tone);
-                self.next.insert(next.unwrap_or_else(fresh))
-            }
-        };
-        texture.show(snapshot);
+        !waits
     }
 
-    /// Brings what is on the card up to date.
-    fn refresh(&mut self, ctx: &egui::Context, document: &Document, times: f32) {
-        let (tone, options) = (document.tone, filter(times));
-        for texture in [&mut self.texture, &mut self.next].into_iter().flatten() {
-            texture.restyle(tone, options);
-            texture.refresh(ctx);
-        }
-        if self.next.as_ref().is_some_and(PictureTexture::is_ready) {
-            self.texture = self.next.take();
-        }
+    /// Shows a picture in place of the one being traced (0), or as the second one (1).
+    pub(crate) fn put(&mut self, side: usize, snapshot: &Snapshot, document: &Document) {
+        self.sides[side].show(snapshot, document.tone);
+    }
+
+    /// Has no second picture any more.
+    pub(crate) fn alone(&mut self) {
+        self.sides[1] = Side::default();
+        self.difference = DifferenceTexture::default();
     }
 
     /// Draws the picture and lets the pointer and the arrow keys move the camera, pick and zoom.
-    pub(crate) fn ui(&mut self, ui: &mut Ui, document: Option<&mut Document>) -> Response {
+    pub(crate) fn ui(
+        &mut self,
+        ui: &mut Ui,
+        document: Option<&mut Document>,
+        versus: Option<Versus>,
+    ) -> Response {
         let space = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(space, Sense::click_and_drag());
         self.id = Some(response.id);
         self.hover = None;
         let pixels_per_point = ui.pixels_per_point();
-        let room = (space.size() - Vec2::splat(2.0 * theme::GROUP)).max(Vec2::splat(1.0));
-        self.room = [room.x, room.y].map(|side| (side * pixels_per_point) as u32);
+        let spaces = versus::spaces(space, versus.as_ref().map(|v| v.layout));
+        let margin = Vec2::splat(2.0 * theme::GROUP);
+        let room = |space: Rect| (space.size() - margin).max(Vec2::splat(1.0));
+        self.room = [room(space).x, room(space).y].map(|side| (side * pixels_per_point) as u32);
+        let room = room(spaces[0]) * pixels_per_point;
         if let Some(document) = &document {
-            self.refresh(ui.ctx(), document, self.times(room * pixels_per_point));
+            let options = filter(self.times(room));
+            for side in &mut self.sides {
+                side.refresh(ui.ctx(), document.tone, options);
+            }
         }
-        let times = self.times(room * pixels_per_point);
-        if let (Some(texture), Some(document)) = (&self.texture, document) {
-            let size = vec2(texture.size()[0] as f32, texture.size()[1] as f32);
-            let centre = space.center() + self.offset;
-            let place = Rect::from_center_size(centre, size * times / pixels_per_point);
-            // On whole pixels of the screen, or every texel would be a little blurred.
-            let place = place
-                .translate((place.min * pixels_per_point).round() / pixels_per_point - place.min);
-            texture.paint(&ui.painter_at(space), place);
+        let times = self.times(room);
+        if let (Some(size), Some(document)) = (self.sides[0].size(), document) {
+            let size = vec2(size[0] as f32, size[1] as f32) * times / pixels_per_point;
+            let places = spaces.map(|space| {
+                let place = Rect::from_center_size(space.center() + self.offset, size);
+                // On whole pixels of the screen, or every texel would be a little blurred.
+                let at = (place.min * pixels_per_point).round() / pixels_per_point;
+                place.translate(at - place.min)
+            });
+            match (versus, &self.sides[0].texture) {
+                (Some(versus), _) => {
+                    let options = filter(times);
+                    let Canvas { sides, difference, wipe, .. } = self;
+                    versus.paint(ui, spaces, places, sides, wipe, difference, options);
+                }
+                (None, Some(texture)) => texture.paint(&ui.painter_at(space), places[0]),
+                (None, None) => {}
+            }
+            let under = response.hover_pos().is_some_and(|at| spaces[1].contains(at));
+            let place = places[usize::from(under)];
             self.pointer(ui, &response, document, place, times);
             keyboard(ui, &response, document);
             if response.has_focus() {
-                widgets::focus_frame(ui, place.intersect(space));
+                widgets::focus_frame(ui, places[0].intersect(space));
             }
         }
         response.widget_info(|| WidgetInfo::labeled(Role::Image, ui.is_enabled(), "Picture"));
@@ -152,10 +186,10 @@ impl Canvas {
 
     /// Pixels of the screen for one of the picture, where it has room for so many.
     fn times(&self, room: Vec2) -> f32 {
-        match (self.zoom, &self.texture) {
+        match (self.zoom, self.sides[0].size()) {
             (Zoom::Times(times), _) => times,
-            (Zoom::Fit, Some(texture)) => {
-                (room / vec2(texture.size()[0] as f32, texture.size()[1] as f32)).min_elem()
+            (Zoom::Fit, Some([width, height])) => {
+                (room / vec2(width as f32, height as f32)).min_elem()
             }
             (Zoom::Fit, None) => 1.0,
         }
@@ -189,7 +223,7 @@ impl Canvas {
         let Some(at) = response.hover_pos() else { return };
         if zoom != 1.0 {
             let next = (times * zoom).clamp(0.05, 64.0);
-            let middle = response.rect.center() + self.offset;
+            let middle = place.center();
             self.offset += (at - middle) * (1.0 - next / times);
             self.zoom = Zoom::Times(next);
         } else if wheel != 0.0 {
@@ -197,12 +231,13 @@ impl Canvas {
             *camera = orbit::dolly(camera, subject, factor);
         }
         let Some((pixel, exact)) = self.pixel_at(at, place) else { return };
-        self.hover = self.texture.as_ref().and_then(|t| t.pixel(pixel)).map(|(tile, i)| Hover {
-            pixel,
-            mean: tile.mean[i],
-            standard_error: tile.standard_error.get(i).copied(),
-            passes: tile.passes,
-        });
+        self.hover =
+            self.sides[0].texture.as_ref().and_then(|t| t.pixel(pixel)).map(|(tile, i)| Hover {
+                pixel,
+                mean: tile.mean[i],
+                standard_error: tile.standard_error.get(i).copied(),
+                passes: tile.passes,
+            });
         if response.clicked_by(PointerButton::Primary) {
             let params = &document.params;
             let hit = params.scene.pick(&params.camera, params.size, exact);
@@ -217,7 +252,7 @@ impl Canvas {
 
     /// The pixel of the picture at a point of the screen, and where in it.
     fn pixel_at(&self, at: Pos2, place: Rect) -> Option<([u32; 2], [f32; 2])> {
-        let size = self.texture.as_ref()?.size();
+        let size = self.sides[0].size()?;
         let t = (at - place.min) / place.size();
         if !(0.0..1.0).contains(&t.x) || !(0.0..1.0).contains(&t.y) {
             return None;

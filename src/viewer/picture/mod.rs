@@ -1,6 +1,10 @@
 //! The picture on the screen: its textures, the pointer over it, the camera that the pointer moves.
 
 pub(crate) mod canvas;
+pub(crate) mod difference;
+pub(crate) mod frozen;
 pub(crate) mod orbit;
 pub(crate) mod readout;
+pub(crate) mod side;
 pub(crate) mod texture;
+pub(crate) mod versus;

@@ -50,6 +50,49 @@ pub(crate) const TIME_LIMIT: Control = control(
     "Tracing stops after this many seconds of tracing, 0.1 to 1e9 s. Pauses are not counted.",
 );
 
+pub(crate) const COMPARE_OFF: Control = control("Off", "One picture alone.");
+pub(crate) const WIPE: Control =
+    control("Wipe bar", "Where one picture ends and the other begins. Drag, or arrow keys.");
+pub(crate) const FIRST: Control = control("First", "The picture that the other is compared with.");
+pub(crate) const SECOND: Control = control(
+    "Second",
+    "The other picture. Models and roughnesses are traced in turn with the first, with the same \
+     random numbers. What is tagged (T) or read from an OpenEXR file stays as it is; a file counts \
+     as exact.",
+);
+pub(crate) const OTHER_ALPHA: Control = control(
+    "Other alpha",
+    "Roughness alpha of the second picture, no unit, 0.0001 to 1, of what the slider speaks of.",
+);
+pub(crate) const MATCH: Control = control(
+    "Match",
+    "Which alphas the second picture's model has: the same ones, or those at which a property of the \
+     lobe is the same. Mean slope: E[tan] of wm under D cos. Half-width: the angle at which D is half \
+     of its largest. Albedo: what the lobe reflects with F = 1.",
+);
+pub(crate) const SAME_ALPHA: &str = "Same alpha";
+pub(crate) const REMAINS: &str = "What remains: half of the integral of |D1 - D2| cos over the \
+                                  hemisphere, the part of the microfacet area that faces elsewhere.";
+pub(crate) const VERDICT: &str = "By Student's t of each pixel's luminance on the standard errors of \
+                                  both pictures, 95 %, corrected for the number of pixels (Benjamini \
+                                  and Hochberg 1995). Pictures with common random numbers err alike: \
+                                  less is then called significant than is.";
+
+pub(crate) const KEEP: Control = control(
+    "Keep",
+    "Memory for pictures of models, roughnesses and views that were left, 0 to 1048576 MiB; at first a \
+     quarter of the machine's. Back to one of them is its picture at once, which goes on from there.",
+);
+pub(crate) const HOLD: Control = control(
+    "Hold",
+    "After a change of model or material the old picture stays until the new one has this many \
+     passes, 0 to 64; 0 for its first coarse blocks. What is dragged is seen at once.",
+);
+pub(crate) const REFINE: Control = control(
+    "Refine the other models",
+    "Traces the other two models to as many passes while the picture is done or paused.",
+);
+
 pub(crate) const SCENES: Control =
     control("Scenes", "Scenes that come with burnish, and below them those opened last.");
 pub(crate) const PATH: Control = control(
@@ -149,6 +192,7 @@ pub(crate) const CLOSE: Control = control("Close", "Closes the help.");
 #[cfg(test)]
 pub(crate) fn table() -> Vec<(&'static str, Vec<(String, String)>)> {
     use crate::viewer::document::goal::Stop;
+    use crate::viewer::panels::compare::{First, Layout};
     use crate::viewer::panels::method;
     use crate::viewer::panels::tracing::Depth;
     use crate::viewer::panels::view;
@@ -191,11 +235,19 @@ pub(crate) fn table() -> Vec<(&'static str, Vec<(String, String)>)> {
     method.push(line(&NORMALS));
     method.extend(Normals::ALL.map(|n| choice(&NORMALS, n.title(), method::drawn(n, false))));
 
+    let mut compare = vec![line(&COMPARE_OFF)];
+    compare.extend(Layout::ALL.map(|l| (l.title().to_owned(), l.tip().to_owned())));
+    compare.push(line(&FIRST));
+    compare.extend(First::ALL.map(|f| choice(&FIRST, f.title(), f.tip())));
+    compare.extend(lines(&[SECOND, OTHER_ALPHA, MATCH, WIPE]));
+
     vec![
         ("First in the panel", first),
+        ("Compare", compare),
         ("Materials", materials),
         ("View", view),
         ("Tracing", tracing),
+        ("Kept pictures", lines(&[KEEP, HOLD, REFINE])),
         ("Errata and method", method),
         ("Scene", lines(&[WATCH])),
         ("Open, Ctrl-O", lines(&[PATH, OPEN_PATH, CANCEL])),

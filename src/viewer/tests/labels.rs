@@ -7,8 +7,8 @@ use egui_kittest::kittest::NodeT;
 use std::collections::HashSet;
 use std::fmt::Write;
 
-const README: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/README.md");
-const MARKS: [&str; 2] = ["<!-- keys -->", "<!-- /keys -->"];
+/// The list of all keys and controls for readers.
+const LIST: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/viewer/CONTROLS.md");
 
 fn cell(text: &str) -> String {
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -22,11 +22,14 @@ fn rows(text: &mut String, head: [&str; 2], rows: impl IntoIterator<Item = [Stri
     }
 }
 
-/// What stands between the marks of the README.
+/// What the file is to be.
 fn list() -> String {
+    let head = "# Keys and controls of the window\n\n\
+                Made from the window's own tables; `UPDATE_CONTROLS=1 cargo test --release --bin burnish \
+                lists_every` writes it.\n";
+    let mut text = head.to_owned();
     let ctx = egui::Context::default();
     ctx.set_os(egui::os::OperatingSystem::Nix);
-    let mut text = String::new();
     let keys = TABLE.iter().map(|b| {
         let keys = keys::keys_text(&ctx, b).replace('`', "");
         [
@@ -40,26 +43,21 @@ fn list() -> String {
     };
     rows(&mut text, ["over the picture", ""], pairs(MOUSE));
     rows(&mut text, ["with the picture focused (Tab)", ""], pairs(PICTURE_KEYS));
-    text += "\n<details><summary>Every control, with its formula and unit</summary>\n";
+    text += "\n## Every control, with its formula and unit\n";
     for (part, controls) in labels::table() {
         rows(&mut text, [part, ""], controls.into_iter().map(|(name, tip)| [name, tip]));
     }
-    text += "\n</details>\n";
     text
 }
 
 #[test]
-fn the_readme_lists_every_key_and_control() {
-    let readme = std::fs::read_to_string(README).unwrap();
-    let between = readme.split_once(MARKS[0]).and_then(|(_, rest)| rest.split_once(MARKS[1]));
-    let found = between.map_or("", |(found, _)| found);
-    let expected = format!("\n{}", list());
-    assert!(
-        found == expected,
-        "README.md must have this between {} and {}:\n{expected}",
-        MARKS[0],
-        MARKS[1]
-    );
+fn the_list_lists_every_key_and_control() {
+    let expected = list();
+    if std::env::var_os("UPDATE_CONTROLS").is_some() {
+        std::fs::write(LIST, &expected).unwrap();
+    }
+    let found = std::fs::read_to_string(LIST).unwrap_or_default().replace("\r\n", "\n");
+    assert!(found == expected, "{LIST} must be:\n{expected}");
 }
 
 /// All words that a control may bear.
@@ -83,7 +81,7 @@ fn known(desk: &Desk) -> HashSet<String> {
 fn every_control_is_in_the_table() {
     let mut desk = Desk::done(1);
     desk.document(|d| d.pick(Some(0)));
-    for section in ["Tracing", "Errata and method", "Proofs"] {
+    for section in ["Compare", "Tracing", "Kept pictures", "Errata and method", "Proofs"] {
         desk.click_role(Role::Button, section);
         desk.harness.run_ok();
     }
@@ -109,7 +107,19 @@ fn every_control_is_in_the_table() {
             seen.extend(names);
         }
     }
-    for name in ["Width", "Seed", "Threads", "Kd red", "Exposure", "Erratum", "Open path", "Undo"] {
+    for name in [
+        "Width",
+        "Seed",
+        "Threads",
+        "Kd red",
+        "Exposure",
+        "Erratum",
+        "Open path",
+        "Undo",
+        "Keep",
+        "First",
+        "Match",
+    ] {
         assert!(seen.contains(name), "{name} is not in the window: {seen:?}");
     }
     assert_eq!(desk.harness.unnamed_widgets(), Vec::<String>::new());

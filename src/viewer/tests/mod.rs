@@ -1,6 +1,7 @@
 //! The whole window but its frame, driven by label, key and pointer, with a real render behind it.
 
 mod command;
+mod compare;
 mod controls;
 mod files;
 mod goal;
