@@ -45,7 +45,7 @@ fn the_old_picture_stays_until_the_new_one_has_a_pass() {
     let before = desk.shown();
     desk.click_role(Role::Button, "Kept pictures");
     desk.harness.run_ok();
-    desk.type_into("Hold", "3");
+    desk.type_into("Hold", "60");
     // Else the other model's picture is there already.
     desk.click("Refine the other models");
     desk.type_into("Keep", "0");
@@ -55,7 +55,7 @@ fn the_old_picture_stays_until_the_new_one_has_a_pass() {
     let mut held = 0;
     loop {
         let newest = desk.newest();
-        if newest.epoch > epoch && newest.passes >= 3 {
+        if newest.epoch > epoch && newest.passes >= 60 {
             break;
         }
         held += u64::from(newest.epoch > epoch);

@@ -117,7 +117,7 @@ fn every_control_is_in_the_table() {
         "Open path",
         "Undo",
         "Keep",
-        "First",
+        "Shown",
         "Match",
     ] {
         assert!(seen.contains(name), "{name} is not in the window: {seen:?}");
