@@ -135,6 +135,8 @@ pub(crate) struct Compare {
     alpha: f64,
     matching: Background<Matching, Vec<(Roughness, Option<Match>)>>,
     difference: Background<Question, Answer>,
+    /// Whether it was on when last drawn: its section opens with it.
+    was_on: bool,
     /// What was last to be compared, and when, in egui's seconds.
     asked: Option<(Question, f64)>,
 }
@@ -169,6 +171,7 @@ impl Compare {
             alpha: 0.1,
             matching: Background::new(matching),
             difference: Background::new(difference::compare),
+            was_on: false,
             asked: None,
         }
     }
@@ -303,6 +306,9 @@ impl Compare {
     /// Draws the section.
     pub(crate) fn ui(&mut self, ui: &mut Ui, document: &mut Document, actions: &mut Vec<Action>) {
         let badge = self.on.then(|| widgets::Badge { text: "on".to_owned(), warns: false });
+        if std::mem::replace(&mut self.was_on, self.on) != self.on && self.on {
+            widgets::open_section(ui, "compare");
+        }
         widgets::section(ui, "compare", "Compare", badge, false, |ui| {
             self.layouts(ui);
             self.pictures(ui);

@@ -179,6 +179,14 @@ pub(crate) fn section<R>(
     state.show_body_unindented(ui, body).map(|r| r.inner)
 }
 
+/// Opens the section of this name that is drawn next by this part of the window.
+pub(crate) fn open_section(ui: &Ui, id: impl std::hash::Hash + std::fmt::Debug) {
+    let id = ui.make_persistent_id(id);
+    let mut state = CollapsingState::load_with_default_open(ui.ctx(), id, true);
+    state.set_open(true);
+    state.store(ui.ctx());
+}
+
 /// Says that a button opens a menu.
 pub(crate) fn menu_arrow(ui: &Ui, button: &Response) {
     let colour = ui.style().interact(button).text_color();
