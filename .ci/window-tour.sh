@@ -58,7 +58,11 @@ shot() {
 
 titled() {
     window=$(xdotool search --onlyvisible --name " - burnish" 2>/dev/null | head -n 1) &&
-        [ -n "$window" ] && [ "$(xdotool getwindowname "$window")" = "$1 - burnish" ]
+        [ -n "$window" ] && case "$(xdotool getwindowname "$window")" in
+            # Before the name, how far the picture is.
+            "$1 - burnish" | *" % - $1 - burnish") ;;
+            *) false ;;
+        esac
 }
 
 # Starts the window and gives it the keyboard.

@@ -32,8 +32,8 @@ impl Normals {
     /// As a person says it.
     pub fn title(self) -> &'static str {
         match self {
-            Normals::Visible => "Visible normals",
-            Normals::Distribution => "All normals",
+            Normals::Visible => "VNDF",
+            Normals::Distribution => "NDF",
         }
     }
 }

@@ -92,7 +92,7 @@ pub const EXAMPLES: [Example; 8] = [
 impl Example {
     /// The one of this name.
     pub fn named(name: &str) -> Option<&'static Example> {
-        EXAMPLES.iter().find(|e| e.name == name)
+        EXAMPLES.iter().find(|e| e.name.eq_ignore_ascii_case(name))
     }
 
     /// What to look for in it, one line: its text's `caption`. All have one, which a test holds.
@@ -141,6 +141,7 @@ mod tests {
             let words = example.caption().unwrap().split_whitespace().count();
             assert!((5..=30).contains(&words), "{}: {words} words", example.name);
             assert_eq!(Example::named(example.name), Some(&example));
+            assert_eq!(Example::named(&example.name.to_uppercase()), Some(&example));
         }
     }
 

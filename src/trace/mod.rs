@@ -60,9 +60,9 @@ impl Strategy {
     /// As a person writes it.
     pub fn title(self) -> &'static str {
         match self {
-            Strategy::Mis => "Both",
-            Strategy::LightOnly => "Lights",
-            Strategy::BsdfOnly => "BRDF",
+            Strategy::Mis => "MIS",
+            Strategy::LightOnly => "Light sampling",
+            Strategy::BsdfOnly => "BRDF sampling",
         }
     }
 

@@ -34,6 +34,8 @@ impl App {
             Action::CopyCommand => self.copy_command(ctx),
             Action::Compare => self.compare.on = !self.compare.on,
             Action::Tag => self.tag(),
+            Action::CopyPicture => self.copy_picture(ctx),
+            Action::HidePanel => self.alone = !self.alone,
             _ => self.edit(ctx, action),
         }
     }
@@ -126,6 +128,18 @@ impl App {
         let name = format!("{}, {} passes", document.params.model.title(), snapshot.passes);
         self.notice = Some(Notice::news(format!("Tagged: {name}. Compare with it by C")));
         self.compare.take_tag(name, snapshot.clone());
+    }
+
+    /// Puts the picture on the clipboard as it is shown.
+    fn copy_picture(&mut self, ctx: &Context) {
+        let (Some(document), Some(render)) = (&self.document, &self.render) else { return };
+        let Some(snapshot) = &render.newest else { return };
+        let mean = snapshot.mean();
+        let mut codes = vec![egui::Color32::BLACK; mean.pixels.len()];
+        document.tone.map(&mean.pixels, &mut codes, |[r, g, b]| egui::Color32::from_rgb(r, g, b));
+        let size = [mean.width as usize, mean.height as usize];
+        ctx.copy_image(egui::epaint::ColorImage::new(size, codes));
+        self.notice = Some(Notice::news(format!("Copied the picture, {} x {}", size[0], size[1])));
     }
 
     fn copy_command(&mut self, ctx: &Context) {

@@ -91,6 +91,10 @@ pub(super) struct App {
     /// Where snapshots go.
     pub(super) folder: PathBuf,
     pub(super) full_screen: bool,
+    /// Whether the picture has the window for itself.
+    pub(super) alone: bool,
+    /// What the window's title says.
+    title: String,
     /// Whether the canvas shows another picture than the one being traced.
     substituted: bool,
 }
@@ -129,6 +133,8 @@ impl App {
             threads,
             folder,
             full_screen: false,
+            alone: false,
+            title: String::new(),
             substituted: false,
         };
         app.load(ctx, source, false);
@@ -186,13 +192,16 @@ impl App {
             actions.retain(|action| *action == Action::Help);
         }
         self.dropped(&ctx);
-        Panel::bottom("status").exact_size(28.0).frame(bar(ui)).show(ui, |ui| self.status(ui));
-        let side = Frame::new().fill(ui.visuals().panel_fill);
-        Panel::right("controls")
-            .exact_size(theme::PANEL)
-            .resizable(false)
-            .frame(side)
-            .show(ui, |ui| actions.extend(self.side(ui)));
+        if !self.alone {
+            let frame = bar(ui);
+            Panel::bottom("status").exact_size(28.0).frame(frame).show(ui, |ui| self.status(ui));
+            let side = Frame::new().fill(ui.visuals().panel_fill);
+            Panel::right("controls")
+                .exact_size(theme::PANEL)
+                .resizable(false)
+                .frame(side)
+                .show(ui, |ui| actions.extend(self.side(ui)));
+        }
         if self.open.is_shown() {
             let source = Panel::top("open")
                 .exact_size(40.0)
@@ -210,6 +219,28 @@ impl App {
             self.act(&ctx, action);
         }
         self.tell(&ctx);
+        self.name_window(&ctx);
+    }
+
+    /// What the window's title says.
+    #[cfg(test)]
+    pub(super) fn title(&self) -> &str {
+        &self.title
+    }
+
+    /// Has the window's title say what is shown and how far it is.
+    fn name_window(&mut self, ctx: &Context) {
+        let (Some(document), Some(render)) = (&self.document, &self.render) else { return };
+        let part = render.newest.as_ref().and_then(|s| document.goal.part(s));
+        let ahead = part.filter(|_| !render.is_done()).map_or(String::new(), |part| {
+            // In few steps: a title is not a clock.
+            format!("{:.0} % - ", (20.0 * part).floor() * 5.0)
+        });
+        let title = format!("{ahead}{} - burnish", document.params.scene.name());
+        if title != self.title {
+            ctx.send_viewport_cmd(ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
     }
 
     /// Takes note of how many seconds drawing one frame takes.
@@ -390,8 +421,6 @@ impl App {
         };
         match told {
             Ok(()) => {
-                let name = document.params.scene.name();
-                ctx.send_viewport_cmd(ViewportCommand::Title(format!("{name} - burnish")));
                 if let Some(path) = document.source.path() {
                     self.settings.recent.add(path);
                 }

@@ -25,6 +25,8 @@ pub(super) enum Action {
     Darker,
     Compare,
     Tag,
+    CopyPicture,
+    HidePanel,
     Zoom,
     FullScreen,
     Undo,
@@ -171,7 +173,7 @@ pub(super) const TABLE: &[Binding] = &[
     Binding {
         action: Action::CopyCommand,
         keys: &[shift(Key::V)],
-        name: "Command",
+        name: "Copy command",
         does: "Copy the command line",
         tip: "Copies the command that makes this picture again without a window, with as many \
               passes as it has. Edited materials go with it as a scene file.",
@@ -204,6 +206,20 @@ pub(super) const TABLE: &[Binding] = &[
         name: "Tag",
         does: "Tag the picture as it is",
         tip: "Keeps the picture as it is now, to compare others with. The next tag replaces it.",
+    },
+    Binding {
+        action: Action::CopyPicture,
+        keys: &[command(Key::C)],
+        name: "Copy picture",
+        does: "Copy the picture",
+        tip: "Copies the picture as it is shown, 8 bits a channel, to the clipboard.",
+    },
+    Binding {
+        action: Action::HidePanel,
+        keys: &[plain(Key::N)],
+        name: "Hide panel",
+        does: "Picture alone, or with the panel",
+        tip: "Hides the side panel and the status line, or shows them again.",
     },
     Binding {
         action: Action::Zoom,
@@ -302,6 +318,12 @@ pub(super) fn pressed(ctx: &Context, picture_has_focus: bool) -> Vec<Action> {
     };
     bindings.sort_by_key(|(k, _)| std::cmp::Reverse(held(k)));
     ctx.input_mut(|input| {
+        // The system's copy comes as an event of its own.
+        let copies = input.events.iter().filter(|e| matches!(e, egui::Event::Copy)).count();
+        if !typing && copies > 0 {
+            input.events.retain(|e| !matches!(e, egui::Event::Copy));
+            actions.extend(std::iter::repeat_n(Action::CopyPicture, copies));
+        }
         for (shortcut, action) in bindings {
             let alone = !shortcut.modifiers.command && shortcut.logical_key != Key::F11;
             // A text that is being typed has an undo of its own.

@@ -79,9 +79,16 @@ impl Goal {
     pub(crate) fn ahead(&self, snapshot: &Snapshot) -> String {
         let left = self.left(snapshot).map_or("-".to_owned(), duration);
         match self.stop {
-            Stop::Passes | Stop::Time => format!("end in {left}"),
+            Stop::Passes | Stop::Time => format!("done in {left}"),
             Stop::Error => format!("{} in {left}", percent(self.error)),
         }
+    }
+
+    /// The part of the way to the end that is done, if that can be told.
+    pub(crate) fn part(&self, snapshot: &Snapshot) -> Option<f64> {
+        let left = self.left(snapshot)?;
+        let part = snapshot.seconds / (snapshot.seconds + left);
+        Some(part.clamp(0.0, 1.0)).filter(|part| part.is_finite())
     }
 
     /// Seconds of tracing still to go, if that can be told.
@@ -148,19 +155,19 @@ mod tests {
         let wanted = |error| Goal { stop: Stop::Error, error, ..Goal::default() };
         let time = |seconds| Goal { stop: Stop::Time, seconds, ..Goal::default() };
         for (goal, error, words) in [
-            (passes, None, "end in 30 s"),
-            (Goal { passes: 3, ..passes }, None, "end in 0 s"),
+            (passes, None, "done in 30 s"),
+            (Goal { passes: 3, ..passes }, None, "done in 0 s"),
             // It is the upper limit that has to come down, to a half: four times the passes.
             (wanted(0.02), error(true), "2.00 % in 60 s"),
             (wanted(0.02), error(false), "2.00 % in -"),
             (wanted(0.02), None, "2.00 % in -"),
-            (time(65.0), None, "end in 45 s"),
-            (time(1.0), None, "end in 0 s"),
+            (time(65.0), None, "done in 45 s"),
+            (time(1.0), None, "done in 0 s"),
         ] {
             assert_eq!(goal.ahead(&snapshot(error)), words, "{goal:?}");
         }
         let unborn = Snapshot { counts: Counts::default(), seconds: 0.0, ..snapshot(None) };
-        assert_eq!(passes.ahead(&unborn), "end in -");
+        assert_eq!(passes.ahead(&unborn), "done in -");
     }
 
     #[test]

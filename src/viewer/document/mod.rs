@@ -172,6 +172,13 @@ impl Document {
         Roughness::from_alpha(mean.exp().clamp(low, high)).map_or(Shown::None, Shown::Mixed)
     }
 
+    /// The least and the largest alpha that the slider speaks of.
+    pub(crate) fn alphas(&self) -> [f64; 2] {
+        self.concerned()
+            .map(|m| m.roughness.alpha())
+            .fold([f64::INFINITY, 0.0], |[low, high], a| [low.min(a), high.max(a)])
+    }
+
     /// The same parameters with this roughness of all the materials in question.
     pub(crate) fn with_roughness(&self, roughness: Roughness) -> Params {
         let mut params = self.params.clone();

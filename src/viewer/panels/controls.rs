@@ -5,6 +5,7 @@ use crate::viewer::document::{Document, Shown};
 use crate::viewer::keys::{self, Action};
 use crate::viewer::panels::energy::Energy;
 use crate::viewer::style::labels::{self, Control};
+use crate::viewer::style::numbers::digits;
 use crate::viewer::style::theme;
 use crate::viewer::style::widgets::{self, Weight};
 use burnish::brdf::{Model, Roughness};
@@ -45,7 +46,9 @@ fn roughness(ui: &mut Ui, document: &mut Document, energy: &mut Energy) {
         .horizontal(|ui| {
             let label = ui.label(labels::ROUGHNESS.name).on_hover_text(labels::ROUGHNESS.tip);
             if let Shown::Mixed(_) = shown {
-                ui.weak("differs by material").on_hover_text(
+                let [low, high] = document.alphas();
+                let words = format!("mixed, {} to {}", digits(low, 3), digits(high, 3));
+                ui.weak(words).on_hover_text(
                     "Shown is the geometric mean of the alphas. Moving the slider gives all \
                      materials one roughness; the keys [ and ] scale each.",
                 );
@@ -174,22 +177,33 @@ fn limit(ui: &mut Ui, control: &Control, field: DragValue<'_>) -> bool {
 
 fn run(ui: &mut Ui, document: &Document) -> Option<Action> {
     let pause = if document.paused { "Resume" } else { keys::binding(Action::Pause).name };
-    let buttons = [
-        (pause, Action::Pause),
-        (keys::binding(Action::Restart).name, Action::Restart),
-        (keys::binding(Action::Save).name, Action::Save),
-    ];
+    let buttons = [(pause, Action::Pause), (keys::binding(Action::Save).name, Action::Save)];
     let tips = buttons.map(|(words, action)| (words, keys::tooltip(ui.ctx(), action), true));
     widgets::button_row(ui, &tips).map(|i| buttons[i].1)
 }
 
 fn history(ui: &mut Ui, document: &Document) -> Option<Action> {
     let buttons = [
-        (Action::Undo, document.can_undo()),
-        (Action::Redo, document.can_redo()),
-        (Action::CopyCommand, true),
+        (Action::Undo, "Undo", document.can_undo()),
+        (Action::Redo, "Redo", document.can_redo()),
+        (Action::Restart, "Restart", true),
+        (Action::CopyCommand, "Copy command", true),
+        (Action::Help, "?", true),
     ];
-    let entries = buttons
-        .map(|(action, can)| (keys::binding(action).name, keys::tooltip(ui.ctx(), action), can));
-    widgets::button_row(ui, &entries).map(|i| buttons[i].0)
+    let mut pressed = None;
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 2.0;
+        ui.spacing_mut().button_padding.x = 6.0;
+        for (action, words, can) in buttons {
+            // Quieter than what is done often.
+            let button = Button::new(RichText::new(words).weak()).frame_when_inactive(false);
+            let tip = keys::tooltip(ui.ctx(), action);
+            let name = keys::binding(action).name;
+            let button = ui.add_enabled(can, button).accessible_name(name);
+            if button.on_hover_text(&tip).on_disabled_hover_text(&tip).clicked() {
+                pressed = Some(action);
+            }
+        }
+    });
+    pressed
 }

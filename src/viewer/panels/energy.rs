@@ -2,7 +2,7 @@
 
 use crate::viewer::document::Document;
 use crate::viewer::jobs::background::Background;
-use crate::viewer::style::numbers::percent;
+use crate::viewer::style::numbers::{digits, percent};
 use burnish::brdf::{Model, Roughness};
 use burnish::measure::energy::{LobeEnergy, remarks};
 use burnish::scene::Material;
@@ -33,7 +33,7 @@ impl Energy {
         // The figure before stands until the new one is there, milliseconds later; before the first
         // one its place is kept, or every control below would move under the pointer.
         let Some((energy, _)) = known else {
-            ui.label(RichText::new("The lobe loses ...").weak().small());
+            ui.label(RichText::new("Energy lost ...").weak().small());
             return;
         };
         let (loss, most) = (energy.loss().max(0.0), energy.most());
@@ -46,7 +46,8 @@ impl Energy {
                    all that the model knows: the rest is lost, and rough metals are darker than \
                    real ones. Phong's lobe gains at grazing where it is rough, for its D and \
                    Beckmann's G do not belong together.";
-        let words = format!("The lobe loses {}{gain}", percent(loss));
+        let albedo = digits(1.0 - energy.loss(), 3);
+        let words = format!("Energy lost {}{gain} (albedo {albedo})", percent(loss));
         ui.label(RichText::new(words).weak().small()).on_hover_text(tip);
     }
 

@@ -13,12 +13,12 @@ pub(crate) struct MethodPanel;
 impl MethodPanel {
     pub(crate) fn ui(&mut self, ui: &mut Ui, document: &mut Document) {
         let params = &mut document.params;
-        let badge = params.erratum.map(|e| Badge { text: e.name().to_owned(), warns: true });
-        widgets::section(ui, "method", "Errata and method", badge, false, |ui| {
-            erratum(ui, params);
+        widgets::section(ui, "method", "Sampling", None, false, |ui| {
             strategy(ui, params);
             normals(ui, params);
         });
+        let badge = params.erratum.map(|e| Badge { text: e.name().to_owned(), warns: true });
+        widgets::section(ui, "bugs", "Deliberate bugs", badge, false, |ui| erratum(ui, params));
     }
 }
 
@@ -83,7 +83,8 @@ fn describe(e: Erratum, model: Model) -> String {
 }
 
 fn strategy(ui: &mut Ui, params: &mut Params) {
-    widgets::field(ui, &labels::LIGHT, |ui, _| {
+    ui.label(labels::LIGHT.name).on_hover_text(labels::LIGHT.tip);
+    ui.scope(|ui| {
         let chosen = Strategy::ALL.iter().position(|&s| s == params.strategy).unwrap_or(0);
         let entries = Strategy::ALL.map(|s| (s.title(), found(s).to_owned(), true));
         if let Some(i) = widgets::segmented(ui, Weight::Quiet, chosen, &entries) {
@@ -95,10 +96,13 @@ fn strategy(ui: &mut Ui, params: &mut Params) {
 /// How a strategy finds light.
 pub(crate) fn found(strategy: Strategy) -> &'static str {
     match strategy {
-        Strategy::Mis => "By asking and by chance, weighed against each other.",
-        Strategy::LightOnly => "Only by asking lights: noisy where surfaces are smooth.",
+        Strategy::Mis => {
+            "Multiple importance sampling: by sampling lights and by sampling the BRDF, weighed against \
+             each other (Veach 1997)."
+        }
+        Strategy::LightOnly => "Only by sampling lights: noisy where surfaces are smooth.",
         Strategy::BsdfOnly => {
-            "Only by chance, with directions drawn from the BRDF: noisy where lights are small."
+            "Only by directions sampled from the BRDF that meet a light: noisy where lights are small."
         }
     }
 }
@@ -118,10 +122,13 @@ fn normals(ui: &mut Ui, params: &mut Params) {
 /// Which normals are drawn, with Phong or another model.
 pub(crate) fn drawn(normals: Normals, phong: bool) -> &'static str {
     match normals {
-        _ if phong => "Phong knows no visible normals: it draws from all.",
-        Normals::Visible => "Those that the viewer sees, by how much of them is seen.",
+        _ if phong => "Phong has no distribution of visible normals: it samples the whole one.",
+        Normals::Visible => {
+            "The distribution of visible normals (Heitz 2014): those that the viewer sees, by how much of \
+             them is seen."
+        }
         Normals::Distribution => {
-            "All, as the distribution has them: the older way, slower and noisier at grazing."
+            "The whole distribution D cos: the older way, slower and noisier at grazing."
         }
     }
 }

@@ -70,14 +70,48 @@ impl Open {
             return None;
         }
         self.shown = false;
-        Some(Source::named(unquoted(path)))
+        Some(Source::named(meant(path)))
     }
 }
 
-/// The path that is meant: file managers copy paths in quotes.
-fn unquoted(text: &str) -> PathBuf {
+/// The path that is meant: file managers copy paths in quotes or as addresses, and shells know `~`.
+fn meant(text: &str) -> PathBuf {
+    let as_written = PathBuf::from(text);
+    if as_written.exists() {
+        return as_written;
+    }
     let bare = ['"', '\''].iter().find_map(|q| text.strip_prefix(*q)?.strip_suffix(*q));
-    PathBuf::from(bare.filter(|_| !PathBuf::from(text).exists()).unwrap_or(text))
+    let text = bare.unwrap_or(text);
+    let text = text.strip_prefix("file://").map_or(text.to_owned(), unescaped);
+    match text.strip_prefix("~/").zip(home()) {
+        Some((rest, home)) => home.join(rest),
+        None => PathBuf::from(text),
+    }
+}
+
+fn home() -> Option<PathBuf> {
+    std::env::home_dir().filter(|home| !home.as_os_str().is_empty())
+}
+
+/// The bytes that `%20` and the like stand for (RFC 3986, 2.1).
+fn unescaped(text: &str) -> String {
+    let mut bytes = Vec::with_capacity(text.len());
+    let mut rest = text.as_bytes();
+    while let Some((&first, after)) = rest.split_first() {
+        let code = after.get(..2).and_then(|two| std::str::from_utf8(two).ok());
+        let code = code.and_then(|two| u8::from_str_radix(two, 16).ok());
+        match code.filter(|_| first == b'%') {
+            Some(code) => {
+                bytes.push(code);
+                rest = &after[2..];
+            }
+            None => {
+                bytes.push(first);
+                rest = after;
+            }
+        }
+    }
+    String::from_utf8_lossy(&bytes).into_owned()
 }
 
 /// The buttons that open, reload and save, and the menu of scenes. Returns the one chosen there.
@@ -131,4 +165,26 @@ fn select_all(ui: &Ui, id: Id, text: &str) {
     let mut state = TextEdit::load_state(ui.ctx(), id).unwrap_or_default();
     state.cursor.set_char_range(Some(CCursorRange::select_all_str(text)));
     state.store(ui.ctx(), id);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_taken_as_people_have_them() {
+        for (text, path) in [
+            ("a b.scn", "a b.scn"),
+            ("\"/x/a b.scn\"", "/x/a b.scn"),
+            ("'/x/y.obj'", "/x/y.obj"),
+            ("file:///x/a%20b.scn", "/x/a b.scn"),
+            ("file:///x/100%.scn", "/x/100%.scn"),
+            ("'file:///x/%C3%A4.ply'", "/x/\u{e4}.ply"),
+        ] {
+            assert_eq!(meant(text), PathBuf::from(path), "{text}");
+        }
+        if let Some(home) = home() {
+            assert_eq!(meant("~/x.scn"), home.join("x.scn"));
+        }
+    }
 }

@@ -22,19 +22,19 @@ impl Proofs {
 
     /// Costs nothing while it is closed.
     pub(crate) fn ui(&mut self, ui: &mut Ui, document: &Document) {
-        widgets::section(ui, "proofs", "Proofs", None, false, |ui| self.table(ui, document));
+        widgets::section(ui, "proofs", "Checks", None, false, |ui| self.table(ui, document));
     }
 
     fn table(&mut self, ui: &mut Ui, document: &Document) {
         let (Shown::Same(roughness) | Shown::Mixed(roughness)) = document.roughness() else {
-            ui.weak("No specular lobe here (Ks = 0): there is nothing to prove.");
+            ui.weak("No specular lobe here (Ks = 0): there is nothing to check.");
             return;
         };
         let params = &document.params;
         let (normals, erratum) = (params.normals, params.erratum);
         let subject = Subject { model: params.model, roughness, normals, erratum };
         let Some((tried, current)) = self.tried.ask(ui.ctx(), &subject) else {
-            ui.weak("Being tried\u{2026}");
+            ui.weak("Running\u{2026}");
             return;
         };
         let alpha = digits(roughness.alpha(), 3);
@@ -43,8 +43,8 @@ impl Proofs {
             Ok(proofs) => {
                 let failing = proofs.iter().filter(|p| !p.holds()).count();
                 let words = match (current, failing) {
-                    (false, _) => "Being tried anew\u{2026}".to_owned(),
-                    (true, 0) => format!("All {} hold at alpha {alpha}.", proofs.len()),
+                    (false, _) => "Running again\u{2026}".to_owned(),
+                    (true, 0) => format!("All {} pass at alpha {alpha}.", proofs.len()),
                     (true, n) => format!("{n} of {} fail at alpha {alpha}.", proofs.len()),
                 };
                 ui.label(words);
@@ -72,9 +72,9 @@ fn row(ui: &mut Ui, proof: &Proof) {
         ui.label(proof.name).on_hover_text(&tip);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let verdict = if proof.holds() {
-                RichText::new("holds").weak()
+                RichText::new("pass").weak()
             } else {
-                RichText::new("FAILS").strong().color(theme::accent_of(ui.visuals()))
+                RichText::new("FAIL").strong().color(theme::accent_of(ui.visuals()))
             };
             ui.label(verdict).on_hover_text(&tip);
             ui.label(RichText::new(figure).monospace()).on_hover_text(&tip);

@@ -217,7 +217,7 @@ mod tests {
         for expected in [
             "12 / 1024 passes",
             "rel. error -",
-            "end in 3 min",
+            "done in 3 min",
             "1.50 M paths/s",
             "- ms",
             "640 x 480",

@@ -20,7 +20,7 @@ pub(crate) const ROUGHNESS: Control = control(
      names of one number:\nalpha = sqrt(2 / (a_p + 2))\nKeys: [ and ]",
 );
 pub(crate) const AS_IN_FILE: Control =
-    control("as in file", "Puts the roughness back to the scene file's.");
+    control("Reset", "Puts the roughness back to the scene file's.");
 pub(crate) const ALPHA: Control =
     control("alpha", "Roughness alpha, no unit, 0.0001 (mirror-like) to 1 (dull). Drag or type.");
 pub(crate) const A_P: Control =
@@ -29,7 +29,7 @@ pub(crate) const APPLIES_TO: Control =
     control("Applies to", "Which materials the slider and the two fields change.");
 pub(crate) const ALL: Control = control("All", "Every material that has a specular lobe.");
 pub(crate) const PICKED: Control =
-    control("Picked one", "Click a surface in the picture to pick its material.");
+    control("Selected", "Click a surface in the picture to pick its material.");
 pub(crate) const STOP_AT: Control = control(
     "Stop at",
     "What ends the tracing. Another goal, or a farther one, goes on where it stopped.",
@@ -135,7 +135,7 @@ pub(crate) const CURVE: Control = control(
     "How radiance beyond the screen's white is shown. Of the display and PNG only.",
 );
 pub(crate) const CAMERA: Control = control("Camera", "Where the scene is seen from.");
-pub(crate) const WINDOW: Control = control("Window", "The colours of the window.");
+pub(crate) const WINDOW: Control = control("Theme", "The colours of the window.");
 
 pub(crate) const SIZE: Control =
     control("Size", "Width and height of the picture in pixels, each 1 to 32768.");
@@ -168,7 +168,7 @@ pub(crate) const THREADS: Control = control(
 );
 
 pub(crate) const ERRATUM: Control = control(
-    "Erratum",
+    "Bug",
     "Mistakes of the report and the program that this one grew from, each to be seen by itself: the \
      picture is then wrong on purpose.",
 );
@@ -230,7 +230,7 @@ pub(crate) fn table() -> Vec<(&'static str, Vec<(String, String)>)> {
     view.extend(lines(&[CAMERA, WINDOW]));
     view.extend(view::THEMES.map(|(_, name, tip)| choice(&WINDOW, name, tip)));
 
-    let mut method = lines(&[ERRATUM, LIGHT]);
+    let mut method = lines(&[LIGHT]);
     method.extend(Strategy::ALL.map(|s| choice(&LIGHT, s.title(), method::found(s))));
     method.push(line(&NORMALS));
     method.extend(Normals::ALL.map(|n| choice(&NORMALS, n.title(), method::drawn(n, false))));
@@ -248,7 +248,8 @@ pub(crate) fn table() -> Vec<(&'static str, Vec<(String, String)>)> {
         ("View", view),
         ("Tracing", tracing),
         ("Kept pictures", lines(&[KEEP, HOLD, REFINE])),
-        ("Errata and method", method),
+        ("Sampling", method),
+        ("Deliberate bugs", vec![line(&ERRATUM)]),
         ("Scene", lines(&[WATCH])),
         ("Open, Ctrl-O", lines(&[PATH, OPEN_PATH, CANCEL])),
         ("Messages and help", lines(&[DISMISS, CLOSE])),

@@ -28,7 +28,11 @@ pub(crate) fn segmented(
 ) -> Option<usize> {
     let mut pressed = None;
     let count = entries.len().max(1) as f32;
-    let width = (ui.available_width() - (count - 1.0)) / count;
+    let room = ui.available_width() - (count - 1.0);
+    // Of one width, unless words are too long for that.
+    let needed: Vec<f32> = entries.iter().map(|(words, ..)| text_width(ui, words) + 8.0).collect();
+    let equal = needed.iter().all(|&width| width <= room / count);
+    let spare = (room - needed.iter().sum::<f32>()) / count;
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 1.0;
         ui.spacing_mut().button_padding.x = 4.0;
@@ -37,6 +41,7 @@ pub(crate) fn segmented(
             Weight::Quiet => theme::quiet_choice(ui),
         }
         for (i, (words, tip, enabled)) in entries.iter().enumerate() {
+            let width = if equal { room / count } else { (needed[i] + spare).max(8.0) };
             let round = |on: bool| if on { 4 } else { 0 };
             let (first, last) = (round(i == 0), round(i + 1 == entries.len()));
             let radius = CornerRadius { nw: first, sw: first, ne: last, se: last };
@@ -102,7 +107,8 @@ pub(crate) fn number(value: &mut f64, significant: usize) -> DragValue<'_> {
     let (exact, shown) = (*value, digits(*value, significant));
     let parse = move |text: &str| match text.trim() {
         text if text == shown => Some(exact),
-        text => text.parse().ok().filter(|x: &f64| !x.is_nan()),
+        // The decimal comma of many keyboards.
+        text => text.replace(',', ".").parse().ok().filter(|x: &f64| !x.is_nan()),
     };
     DragValue::new(value)
         .update_while_editing(false)

@@ -77,7 +77,7 @@ fn edited_materials_go_along_as_a_scene_that_gives_the_same_bits() {
     });
     desk.harness.step();
     desk.until_done(2);
-    desk.click("Command");
+    desk.click("Copy command");
     assert!(desk.notice().contains("lines: the edited scene"), "{}", desk.notice());
     let text = copied(&mut desk);
     let (first, rest) = text.split_once('\n').unwrap();

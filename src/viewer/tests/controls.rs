@@ -12,7 +12,7 @@ fn every_control_is_found_by_its_label() {
         desk.harness.get_by_role_and_label(Role::Button, label);
     }
     for label in
-        ["Undo", "Redo", "Command", "Open", "Save scene", "Reload", "Passes", "Error", "Time"]
+        ["Undo", "Redo", "Copy command", "Open", "Save scene", "Reload", "Passes", "Error", "Time"]
     {
         desk.harness.get_by_role_and_label(Role::Button, label);
     }
@@ -26,7 +26,9 @@ fn every_control_is_found_by_its_label() {
     for slider in ["Roughness", "Exposure"] {
         desk.harness.get_by_role_and_label(Role::Slider, slider);
     }
-    for section in ["Materials", "View", "Tracing", "Errata and method", "Scene", "Picture"] {
+    for section in
+        ["Materials", "View", "Tracing", "Sampling", "Deliberate bugs", "Scene", "Picture"]
+    {
         desk.harness.get_by_label(section);
     }
     // And nothing that can be used is without a name.
@@ -114,10 +116,10 @@ fn brackets_scale_the_roughness_and_keep_the_differences() {
     for (was, is) in before.iter().zip(alphas(desk.doc())) {
         assert!((is / was - 2.0).abs() < 1e-9);
     }
-    desk.click("as in file");
+    desk.click("Reset");
     desk.harness.run_ok();
     assert_eq!(alphas(desk.doc()), before);
-    assert!(desk.harness.query_by_label("as in file").is_none());
+    assert!(desk.harness.query_by_label("Reset").is_none());
 }
 
 #[test]
@@ -218,7 +220,7 @@ fn every_button_with_a_key_says_so() {
     for name in
         ["Phong", "Beckmann", "GGX", "Pause", "Restart", "Snapshot", "Home", "Frame", "Copy"]
             .into_iter()
-            .chain(["Undo", "Redo", "Command", "Open", "Save scene", "Reload"])
+            .chain(["Undo", "Redo", "Copy command", "Open", "Save scene", "Reload"])
     {
         let node = desk.harness.get_by_role_and_label(Role::Button, name);
         let description = egui_kittest::kittest::NodeT::accesskit_node(&node).description();
@@ -263,7 +265,7 @@ fn the_window_is_closed_by_its_key() {
 #[test]
 fn no_control_moves_while_the_picture_gets_better() {
     let mut desk = Desk::new();
-    for section in ["Tracing", "Errata and method", "Proofs"] {
+    for section in ["Tracing", "Sampling", "Deliberate bugs", "Checks"] {
         desk.click_role(Role::Button, section);
         desk.harness.run_ok();
     }

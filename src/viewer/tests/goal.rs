@@ -86,6 +86,6 @@ fn the_goal_is_told_while_it_is_ahead() {
     desk.until("pause", |app| {
         app.render.as_ref().unwrap().newest.as_ref().unwrap().state == State::Paused
     });
-    desk.harness.get_by_label_contains("end in 12 d");
+    desk.harness.get_by_label_contains("done in 12 d");
     desk.harness.get_by_label("paused");
 }

@@ -72,7 +72,7 @@ fn known(desk: &Desk) -> HashSet<String> {
     for colour in [labels::KD, labels::KS, labels::EMISSION] {
         known.extend(labels::CHANNELS.map(|c| format!("{} {c}", colour.name)));
     }
-    known.extend(["Proofs", "Picture"].map(str::to_owned));
+    known.extend(["Checks", "Picture"].map(str::to_owned));
     known.extend(desk.doc().params.materials.iter().map(|m| m.name.clone()));
     known
 }
@@ -81,7 +81,8 @@ fn known(desk: &Desk) -> HashSet<String> {
 fn every_control_is_in_the_table() {
     let mut desk = Desk::done(1);
     desk.document(|d| d.pick(Some(0)));
-    for section in ["Compare", "Tracing", "Kept pictures", "Errata and method", "Proofs"] {
+    for section in ["Compare", "Tracing", "Kept pictures", "Sampling", "Deliberate bugs", "Checks"]
+    {
         desk.click_role(Role::Button, section);
         desk.harness.run_ok();
     }
@@ -113,7 +114,7 @@ fn every_control_is_in_the_table() {
         "Threads",
         "Kd red",
         "Exposure",
-        "Erratum",
+        "Bug",
         "Open path",
         "Undo",
         "Keep",

@@ -7,13 +7,14 @@ use burnish::progressive::Strategy;
 /// With the section open, a picture of a few passes there.
 fn desk() -> Desk {
     let mut desk = Desk::done(4);
-    desk.click("Errata and method");
+    desk.click("Sampling");
+    desk.click("Deliberate bugs");
     desk.harness.run();
     desk
 }
 
 fn choose(desk: &mut Desk, entry: &str) {
-    desk.click_role(Role::ComboBox, "Erratum");
+    desk.click_role(Role::ComboBox, "Bug");
     desk.harness.run();
     desk.click_role(Role::Button, entry);
     desk.harness.run_ok();
@@ -44,7 +45,7 @@ fn an_erratum_is_chosen_by_its_title_badged_and_undone() {
         assert_eq!(desk.app().render.as_ref().unwrap().told().erratum, Some(erratum));
         assert!(says(&desk, &wrong(erratum)));
         assert!(desk.shown() != right);
-        let header = desk.harness.get_by_role_and_label(Role::Button, "Errata and method");
+        let header = desk.harness.get_by_role_and_label(Role::Button, "Deliberate bugs");
         assert_eq!(header.value().as_deref(), Some(erratum.name()));
         assert_eq!(desk.harness.unnamed_widgets(), Vec::<String>::new());
     }
@@ -59,7 +60,7 @@ fn an_erratum_is_chosen_by_its_title_badged_and_undone() {
 #[test]
 fn every_erratum_is_in_the_menu() {
     let mut desk = desk();
-    desk.click_role(Role::ComboBox, "Erratum");
+    desk.click_role(Role::ComboBox, "Bug");
     desk.harness.run();
     for erratum in Erratum::ALL {
         desk.harness.get_by_role_and_label(Role::Button, erratum.title());

@@ -5,6 +5,7 @@ mod compare;
 mod controls;
 mod files;
 mod goal;
+mod habits;
 mod history;
 mod labels;
 mod materials;

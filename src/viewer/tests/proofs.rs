@@ -18,9 +18,9 @@ impl Desk {
     /// Opens the panel of proofs, wherever it moves to meanwhile.
     fn open_proofs(&mut self) {
         let start = Instant::now();
-        while !self.is_drawn("Being tried") && !self.is_drawn("at alpha") {
+        while !self.is_drawn("Running") && !self.is_drawn("at alpha") {
             assert!(start.elapsed() < Duration::from_secs(60), "the proofs do not open");
-            self.click("Proofs");
+            self.click("Checks");
             self.harness.run_ok();
         }
     }
@@ -33,32 +33,32 @@ impl Desk {
 #[test]
 fn proofs_are_tried_at_the_slider_s_roughness_when_their_panel_is_open() {
     let mut desk = Desk::new();
-    assert!(!desk.is_drawn("Being tried"), "closed, it costs nothing");
+    assert!(!desk.is_drawn("Running"), "closed, it costs nothing");
     desk.type_into("alpha", "0.2");
     desk.open_proofs();
-    desk.until_drawn("hold at alpha 0.200.");
+    desk.until_drawn("pass at alpha 0.200.");
     for proof in ["normalisation of D", "limits of G", "samples against density", "albedo"] {
         desk.harness.get_by_label(proof);
     }
-    assert!(!desk.is_drawn("FAILS"));
+    assert!(!desk.is_drawn("FAIL"));
     // An older result stands, and says so, until its successor comes.
     desk.type_into("alpha", "0.5");
-    assert!(desk.is_drawn("Being tried anew") || desk.is_drawn("hold at alpha 0.500."));
-    desk.until_drawn("hold at alpha 0.500.");
+    assert!(desk.is_drawn("Running again") || desk.is_drawn("pass at alpha 0.500."));
+    desk.until_drawn("pass at alpha 0.500.");
 }
 
 #[test]
 fn a_mistake_made_on_purpose_fails_its_proof() {
     let mut desk = Desk::new();
     desk.open_proofs();
-    desk.until_drawn("hold at alpha");
+    desk.until_drawn("pass at alpha");
     desk.document(|d| d.params.erratum = Some(Erratum::GgxGSum));
     desk.until_drawn("fail at alpha");
-    assert!(desk.is_drawn("FAILS"));
+    assert!(desk.is_drawn("FAIL"));
     // It is about GGX: on Beckmann all is well.
     desk.click("Beckmann");
-    desk.until_drawn("hold at alpha");
-    assert!(!desk.is_drawn("FAILS"));
+    desk.until_drawn("pass at alpha");
+    assert!(!desk.is_drawn("FAIL"));
 }
 
 #[test]
@@ -66,10 +66,10 @@ fn the_lobe_s_loss_stands_by_the_slider() {
     let mut desk = Desk::new();
     desk.type_into("alpha", "0.1");
     // 1 - 0.97156, from the table of means.
-    desk.until_drawn("The lobe loses 2.84 %");
+    desk.until_drawn("Energy lost 2.84 %");
     desk.click("Phong");
     desk.type_into("a_p", "2");
-    desk.until_drawn("The lobe loses 22.7 %, gains 17.9 % at grazing");
+    desk.until_drawn("Energy lost 22.7 %, gains 17.9 % at grazing");
 }
 
 #[test]
