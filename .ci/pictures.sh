@@ -14,25 +14,25 @@ divide=${DIVIDE:-1}
 mkdir -p "$folder"
 
 # render PASSES ARGUMENTS...
-# Every path for itself: what so many passes show is what is to be seen, and thousands of them of paths
-# that share would take hours.
 render() {
     passes=$(($1 / divide))
     shift
-    "$burnish" render --no-reuse --passes $((passes > 0 ? passes : 1)) "$@"
+    "$burnish" render --passes $((passes > 0 ? passes : 1)) "$@"
 }
 
-# What the seed showed: the default scene, each model from one pass to many.
-for n in 1 8 64 512; do
-    render $n --model all --size 400x300 -o "$folder/{name}_{model}_$n.png"
+# As the seed's report did: the default scene, each model from one pass to many, every path for itself, so that
+# what so many passes show is seen. 512 are shown as users get them, with paths that share.
+for n in 1 8 64; do
+    render $n --no-reuse --model all --size 400x300 -o "$folder/{name}_{model}_$n.png"
 done
-render 4096 --model beckmann --size 400x300 -o "$folder/{name}_{model}_4096.png"
+render 512 --model all --size 400x300 -o "$folder/{name}_{model}_512.png"
 
-# Large.
-render 512 --model ggx --size 1600x1200 -o "$folder/{name}_{model}_1600x1200.png"
+# The shell: very many passes, and large.
+render 4096 shell --no-reuse --model beckmann --size 400x300 -o "$folder/{name}_{model}_4096.png"
+render 512 shell --no-reuse --model ggx --size 1600x1200 -o "$folder/{name}_{model}_1600x1200.png"
 
 # Every roughness with every model.
-render 512 gallery --model all --size 640x360 -o "$folder/{name}_{model}.png"
+render 64 gallery --model all --size 640x360 -o "$folder/{name}_{model}.png"
 
 # The window itself, and a sheet of what it shows while it is driven.
 if [ "${WINDOW:-yes}" = yes ]; then
