@@ -50,7 +50,7 @@ const ONE_PLACE: [(&str, &[&str]); 28] = [
     // Intervals, and the chances of the proofs.
     ("statrs", &["src/film/interval.rs", "src/measure/check/statistics.rs"]),
     ("flip_rs", &["src/measure/flip.rs"]),
-    ("plotters", &["src/measure/plot.rs"]),
+    ("plotters", &["src/measure/plot"]),
     ("unsafe ", &["src/math/lanes/"]),
     // What a processor has, and what a system: all else is the same for every machine.
     ("target_arch", &["src/math/lanes/"]),

@@ -2,7 +2,7 @@
 //!
 //! [`error`] holds the measures with their formulas, [`flip`] the difference that a person sees,
 //! [`difference`] a picture of it, [`errata`] what a mistake does to it,
-//! [`energy`] what a model gains and loses, [`check`] the proofs of a
+//! [`energy`] what a model gains and loses, [`lobe`] its curves over angle, [`check`] the proofs of a
 //! BRDF and its sampler, [`exact`] scenes whose answer is known, [`random`] scenes drawn at random
 //! and rendered by both tracers, [`calibrate`] whether the error bar keeps its word, [`speed`] error
 //! against passes, seconds and rays, [`plot`] its curves, [`rays`] what rays cost, [`scaling`] how the time of a path grows with what is rendered.
@@ -16,6 +16,7 @@ pub mod errata;
 pub mod error;
 pub mod exact;
 pub mod flip;
+pub mod lobe;
 pub mod match_roughness;
 pub mod plot;
 pub mod profile;

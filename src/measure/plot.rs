@@ -1,4 +1,8 @@
-//! Curves of error over cost, both logarithmic, as SVG.
+//! Curves as SVG: error over cost, both logarithmic, and a [BRDF over angle](lobe()).
+
+mod lobe;
+
+pub use lobe::{Style, lobe};
 
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};

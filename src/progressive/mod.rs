@@ -9,6 +9,7 @@ mod outlet;
 mod params;
 mod pilot;
 mod plan;
+mod probe;
 mod recipe;
 mod replay;
 mod session;
@@ -21,6 +22,7 @@ mod work;
 pub use crate::film::{ErrorEstimate, Figure, Interval};
 pub use crate::trace::Strategy;
 pub use params::{Params, ParamsError};
+pub use probe::{LogHistogram, Part, PixelReport, Technique, probe};
 pub use recipe::{
     ErrorRecipe, FileRecipe, MaterialRecipe, Recipe, RecipeError, SceneRecipe, ToneRecipe,
 };

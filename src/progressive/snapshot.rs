@@ -88,6 +88,16 @@ impl TileImage {
     pub(super) fn bytes(&self) -> usize {
         8 * self.samples.capacity() + 12 * (self.mean.capacity() + self.standard_error.capacity())
     }
+
+    /// Samples of the pixel in this column and row of the picture, which lies in this tile of the
+    /// grid; 0 in the preview.
+    pub fn samples_of(&self, grid: TileGrid, [x, y]: [u32; 2]) -> u64 {
+        let columns = grid.columns_rows()[0] as usize;
+        let rect = grid.rect((y / TILE) as usize * columns + (x / TILE) as usize);
+        let across = rect.width().div_ceil(CELL);
+        let cell = [x - rect.x0, y - rect.y0].map(|i| i as usize / CELL);
+        self.samples.get(cell[1] * across + cell[0]).copied().unwrap_or(0)
+    }
 }
 
 /// Counts over the epoch so far.

@@ -75,6 +75,33 @@ impl Camera {
         [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| self.orientation * axis)
     }
 
+    /// Where a straight line from one world point to another is drawn in a picture of this many
+    /// pixels: both ends in pixels from the top left corner, cut where the line passes the eye's
+    /// plane. `None` if all of it is behind the eye or an end is not finite.
+    pub fn project(&self, from: DVec3, to: DVec3, size: [u32; 2]) -> Option<[[f64; 2]; 2]> {
+        // The least depth that is drawn, as a part of the line's larger distance from the eye.
+        const NEAR: f64 = 1e-4;
+        let [x, y, z] = self.axes();
+        let seen = |p: DVec3| {
+            let p = p - self.eye;
+            DVec3::new(p.dot(x), p.dot(y), -p.dot(z))
+        };
+        let [a, b] = [seen(from), seen(to)];
+        let near = NEAR * a.length().max(b.length());
+        if !a.is_finite() || !b.is_finite() || a.z.max(b.z) <= near {
+            return None;
+        }
+        let cut = |p: DVec3, other: DVec3| {
+            if p.z > near { p } else { p.lerp(other, (near - p.z) / (other.z - p.z)) }
+        };
+        let [w, h] = size.map(f64::from);
+        let pixel = |p: DVec3| {
+            let scale = 0.5 * h / (self.ry * p.z);
+            [0.5 * w + p.x * scale, 0.5 * h - p.y * scale]
+        };
+        Some([pixel(cut(a, b)), pixel(cut(b, a))])
+    }
+
     /// The `camera` line of a `.scn` file, which reads back to this camera.
     pub fn scn_line(&self) -> String {
         let (e, q) = (self.eye, self.orientation);

@@ -10,6 +10,7 @@ mod deal;
 mod engine;
 mod errata;
 mod lights;
+mod record;
 mod reference;
 mod roulette;
 mod rules;
@@ -22,6 +23,7 @@ pub use deal::{Deal, Group, Hand, Part, deal_cell};
 use engine::{Bundle, Tables};
 pub use engine::{FirstHits, Round};
 use lights::Lights;
+pub use record::{Escape, PathRecord, PathVertex};
 use std::sync::Arc;
 
 /// Longest path, a safety net: roulette ends paths long before unless the scene gains energy.

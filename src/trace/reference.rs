@@ -2,6 +2,7 @@
 
 use super::errata::Wrong;
 use super::lights::{Asked, Receiver};
+use super::record::Recorder;
 use super::rules::{Right, Rules};
 use super::{DEPTH_CAP, Scratch, THROUGHPUT_CAP, Tracer, roulette};
 use crate::brdf::Microfacet;
@@ -37,7 +38,7 @@ impl<R: Rules> Pixels<'_, R> {
             let [dx, dy] = pair::<f32>(&stream, Slot::CAMERA);
             let side = self.block as f32;
             let ray = self.tracer.camera.ray((x as f32 + dx) * side, (y as f32 + dy) * side);
-            let found = self.tracer.radiance(&self.rules, ray, &stream, self.scratch);
+            let found = self.tracer.radiance(&self.rules, ray, &stream, self.scratch, &mut ());
             (self.each)(self.rules.kept(found));
         }
     }
@@ -73,13 +74,16 @@ impl Tracer {
         }
     }
 
+    /// Radiance along a ray. The recorder is told of every step; what it is given adds up to the
+    /// result, in this order.
     #[inline(always)]
-    fn radiance<R: Rules>(
+    pub(super) fn radiance<R: Rules>(
         &self,
         rules: &R,
         mut ray: Ray,
         stream: &Stream<U32>,
         scratch: &mut Scratch,
+        record: &mut impl Recorder,
     ) -> Rgb {
         let geometry = self.scene.geometry();
         let strategy = self.method.strategy;
@@ -96,18 +100,24 @@ impl Tracer {
                     let other = self.lights.environment_pdf(from, from.frame.n.dot(ray.d));
                     rules.met(strategy, *pdf, other)
                 });
-                sum += beta * self.lights.environment() * weight;
+                let found = beta * self.lights.environment() * weight;
+                record.escaped(ray.d, found);
+                sum += found;
                 return sum;
             };
             let point = geometry.surface(&ray, &hit);
-            let surface = &self.surfaces[geometry.material(hit.primitive) as usize];
+            let material = geometry.material(hit.primitive);
+            let surface = &self.surfaces[material as usize];
+            record.met(point.p, material, beta);
             if surface.emits {
                 let weight = from.as_ref().map_or(1.0, |(from, pdf)| {
                     let cos = point.ng.dot(ray.d).abs();
                     let other = self.lights.pdf(from, hit.primitive, hit.t, cos);
                     rules.met(strategy, *pdf, other)
                 });
-                sum += beta * surface.emission * weight;
+                let found = beta * surface.emission * weight;
+                record.emitted(found);
+                sum += found;
             }
             if event >= self.max_depth || !surface.reflects {
                 return sum;
@@ -133,13 +143,16 @@ impl Tracer {
                 let weight = rules.asked(strategy, light.pdf, e.pdf);
                 let found = light.radiance * e.f * (rules.cosine(wi.z) / light.pdf * weight);
                 if !found.is_black() && rules.sees(self, &vertex, &light, scratch) {
-                    sum += beta * found;
+                    let found = beta * found;
+                    record.lit(found, light.point(p));
+                    sum += found;
                 }
             }
 
             let u = pair::<f32>(stream, Slot::direction(event));
             let next = rules.sample(&vertex, &view, lobe_choice, u);
             let d = vertex.frame.to_world(next.wi);
+            record.scattered(vertex.wo, next.wi);
             if next.pdf <= 0.0 || rules.cosine(vertex.ng.dot(d)) <= 0.0 {
                 return sum;
             }

@@ -2,8 +2,9 @@
 
 use crate::viewer::app::App;
 use crate::viewer::document::command;
-use crate::viewer::jobs::save::{Job, Saving, SceneJob, stem};
+use crate::viewer::jobs::save::{Job, Plot, PlotJob, Saving, SceneJob, stem};
 use crate::viewer::keys::Action;
+use crate::viewer::panels::lobe::{Content, Export};
 use crate::viewer::panels::notice::Notice;
 use crate::viewer::panels::view::View;
 use crate::viewer::picture::orbit;
@@ -36,6 +37,7 @@ impl App {
             Action::Tag => self.tag(),
             Action::CopyPicture => self.copy_picture(ctx),
             Action::HidePanel => self.alone = !self.alone,
+            Action::Export => self.export(ctx),
             _ => self.edit(ctx, action),
         }
     }
@@ -108,6 +110,27 @@ impl App {
         let beside = document.source.path().and_then(|path| path.parent());
         let folder = beside.unwrap_or(&self.folder).to_path_buf();
         match Saving::scene(ctx, SceneJob { params: document.params.clone(), folder }) {
+            Ok(saving) => self.saving = Some(saving),
+            Err(why) => self.notice = Some(Notice::error(why)),
+        }
+    }
+
+    /// Does with the lobes' curves what was asked for.
+    fn export(&mut self, ctx: &Context) {
+        let Some(Export { stem, content }) = self.lobe.export.take() else { return };
+        let plot = match content {
+            Content::Copied(text) => {
+                let lines = text.lines().count();
+                self.notice = Some(Notice::news(format!("Copied a table of {lines} lines")));
+                return ctx.copy_text(text);
+            }
+            Content::Svg(curves, style) => Plot::Svg(curves, style),
+            Content::Png(image) => Plot::Png(image),
+        };
+        if self.is_saving() {
+            return;
+        }
+        match Saving::plot(ctx, PlotJob { plot, folder: self.folder.clone(), stem }) {
             Ok(saving) => self.saving = Some(saving),
             Err(why) => self.notice = Some(Notice::error(why)),
         }

@@ -13,17 +13,18 @@ use crate::viewer::panels::controls::Controls;
 use crate::viewer::panels::energy::Energy;
 use crate::viewer::panels::help::Help;
 use crate::viewer::panels::kept::KeptPanel;
+use crate::viewer::panels::lobe::LobePanel;
 use crate::viewer::panels::materials::Materials;
 use crate::viewer::panels::method::{self, MethodPanel};
 use crate::viewer::panels::notice::Notice;
 use crate::viewer::panels::open::{self, Open};
+use crate::viewer::panels::pixel::PixelPanel;
 use crate::viewer::panels::proofs::Proofs;
 use crate::viewer::panels::report::ReportPanel;
 use crate::viewer::panels::status::{Facts, Status};
 use crate::viewer::panels::tracing::TracingPanel;
 use crate::viewer::panels::view::View;
-use crate::viewer::picture::canvas::Canvas;
-use crate::viewer::picture::readout;
+use crate::viewer::picture::canvas::{Canvas, Hover};
 use crate::viewer::picture::versus::Versus;
 use crate::viewer::render::Render;
 use crate::viewer::settings::Settings;
@@ -77,6 +78,8 @@ pub(super) struct App {
     controls: Controls,
     pub(super) compare: Compare,
     view: View,
+    pub(super) lobe: LobePanel,
+    pub(super) pixel: PixelPanel,
     materials: Materials,
     tracing: TracingPanel,
     method: MethodPanel,
@@ -121,6 +124,8 @@ impl App {
             controls: Controls,
             compare: Compare::new(),
             view: View,
+            lobe: LobePanel::new(),
+            pixel: PixelPanel::new(),
             materials: Materials::default(),
             tracing: TracingPanel::default(),
             method: MethodPanel,
@@ -259,6 +264,7 @@ impl App {
                 snapshot: render.and_then(|r| r.newest.as_ref()),
                 done: render.is_some_and(Render::is_done),
                 latency: render.and_then(|r| r.latency),
+                hover: self.canvas.hover.as_ref(),
                 loading: self.loading.as_ref().map(|l| l.name.as_str()),
             },
         );
@@ -279,6 +285,8 @@ impl App {
                 asked.extend(self.controls.ui(ui, document, &mut self.energy));
                 self.compare.ui(ui, document, &mut asked);
                 source = open::files(ui, &recent, &mut asked);
+                self.lobe.ui(ui, document, &mut asked);
+                self.pixel.ui(ui, document, &mut asked);
                 self.materials.ui(ui, document);
                 asked.extend(self.view.ui(ui, document));
                 threads = self.tracing.ui(ui, document, self.threads, self.canvas.room);
@@ -315,8 +323,14 @@ impl App {
     }
 
     fn picture(&mut self, ui: &mut Ui) {
+        let key = |hover: &Option<Hover>| hover.map(|h| (h.pixel, h.passes, h.samples));
+        let before = key(&self.canvas.hover);
         let versus = self.versus(ui.ctx());
         let space = self.canvas.ui(ui, self.document.as_mut(), versus).rect;
+        if key(&self.canvas.hover) != before {
+            // The status line, which tells of it, was drawn before.
+            ui.ctx().request_repaint();
+        }
         if self.canvas.is_empty() && self.loading.is_none() && self.document.is_none() {
             let words = "Drop a scene here, or press Ctrl-O";
             let font = egui::TextStyle::Heading.resolve(ui.style());
@@ -324,13 +338,13 @@ impl App {
             ui.painter().text(space.center(), Align2::CENTER_CENTER, words, font, colour);
         }
         if let Some(document) = &self.document {
+            if let Some(place) = self.canvas.place.filter(|_| !self.alone) {
+                self.pixel.overlay(ui, document, place, space);
+            }
             method::banner(ui, &document.params, space);
         }
         if ui.input(|i| !i.raw.hovered_files.is_empty()) {
             widgets::drop_target(ui, space);
-        }
-        if let Some(hover) = &self.canvas.hover {
-            readout::ui(ui, hover, space, ui.input(|i| i.pointer.hover_pos()));
         }
         let Some(notice) = &mut self.notice else { return };
         let width = (space.width() - 32.0).min(720.0);

@@ -33,6 +33,9 @@ pub(super) enum Action {
     Redo,
     Help,
     Quit,
+    /// What a panel has ready for a file or the clipboard goes there. It has buttons of its own and
+    /// no key.
+    Export,
 }
 
 /// One line of the table.

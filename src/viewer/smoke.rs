@@ -1,8 +1,9 @@
 //! A window that closes by itself after a while, with a picture of itself: for smoke tests.
 
+use crate::viewer::jobs::save::as_picture;
 use crate::viewer::window::Told;
-use burnish::picture::{Picture, Tone, write};
-use egui::{Color32, ColorImage, Context, Rgba, ViewportCommand};
+use burnish::picture::{Tone, write};
+use egui::{ColorImage, Context, ViewportCommand};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
@@ -61,30 +62,7 @@ fn set(told: &Told, why: String) {
     told.lock().unwrap_or_else(PoisonError::into_inner).failure = Some(why);
 }
 
-/// Codes become light and then the same codes again, so that the file holds what was on screen.
+/// As it was on screen.
 fn save(path: &Path, image: &ColorImage) -> Result<(), String> {
-    let side = |s: usize| u32::try_from(s).map_err(|_| "too large a window".to_owned());
-    let picture = Picture {
-        width: side(image.size[0])?,
-        height: side(image.size[1])?,
-        pixels: image.pixels.iter().map(|&code| light(code)).collect(),
-    };
-    write(path, &picture, Tone::default()).map_err(|e| e.to_string())
-}
-
-fn light(code: Color32) -> [f32; 3] {
-    let [r, g, b, _] = Rgba::from(code).to_array();
-    [r, g, b]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_code_comes_back() {
-        for code in 0..=255 {
-            assert_eq!(Tone::default().exact(light(Color32::from_gray(code))), [code; 3]);
-        }
-    }
+    write(path, &as_picture(image)?, Tone::default()).map_err(|e| e.to_string())
 }

@@ -13,7 +13,7 @@ use crate::viewer::picture::orbit::Subject;
 use burnish::brdf::Roughness;
 use burnish::picture::Tone;
 use burnish::progressive::{Params, Session};
-use burnish::scene::{Material, MaterialId, Report};
+use burnish::scene::{FirstHit, Material, MaterialId, Report};
 use std::sync::Arc;
 
 /// A scene with everything that can be set about it. Panels change it; the app then tells the
@@ -37,6 +37,8 @@ pub(crate) struct Document {
     pub(crate) picked: Option<MaterialId>,
     /// Whether the roughness is that of the picked material or that of all.
     pub(crate) only_picked: bool,
+    /// The pixel last clicked: column and row from the top left.
+    pub(crate) asked: Option<[u32; 2]>,
     history: History<Settings>,
 }
 
@@ -106,6 +108,8 @@ impl Document {
             }
         }
         let (tone, goal) = before.map_or((tone, goal), |b| (b.tone, b.goal));
+        let same = before.filter(|b| loaded.again && loaded.source == b.source);
+        let asked = same.and_then(|b| b.asked);
         let settings = Settings { params: params.clone(), tone, goal };
         Document {
             params,
@@ -118,6 +122,7 @@ impl Document {
             tone,
             picked: None,
             only_picked: false,
+            asked,
             history: History::new(settings),
         }
     }
@@ -140,6 +145,14 @@ impl Document {
     pub(crate) fn pick(&mut self, material: Option<MaterialId>) {
         self.only_picked = material.is_some();
         self.picked = material.or(self.picked);
+    }
+
+    /// The surface behind the middle of the pixel last clicked.
+    pub(crate) fn asked_hit(&self) -> Option<FirstHit> {
+        let params = &self.params;
+        let [x, y] = self.asked.filter(|p| p[0] < params.size[0] && p[1] < params.size[1])?;
+        let middle = [x as f32 + 0.5, y as f32 + 0.5];
+        params.scene.first_hit(&params.camera, params.size, middle)
     }
 
     /// The picked material, where there is one.

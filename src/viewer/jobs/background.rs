@@ -47,7 +47,7 @@ impl<Q: Clone + PartialEq + Send + 'static, A: Send + 'static> Background<Q, A> 
     fn start(&mut self, ctx: &Context, question: Q) {
         let (send, result) = channel();
         let (ctx, asked, answer_to) = (ctx.clone(), question.clone(), self.answer_to);
-        let thread = std::thread::Builder::new().name("proofs".to_owned()).spawn(move || {
+        let thread = std::thread::Builder::new().name("answers".to_owned()).spawn(move || {
             // Nobody listens any more when the window is gone.
             let _ = send.send(answer_to(&asked));
             ctx.request_repaint();

@@ -1,9 +1,11 @@
 //! Writing what is shown, and the scene itself, to files, in the background.
 
-use burnish::picture::{Tone, replace_file, write};
+use burnish::measure::lobe::LobeCurves;
+use burnish::measure::plot::{Style, lobe};
+use burnish::picture::{Picture, Tone, replace_file, write};
 use burnish::progressive::{Params, Recipe, Snapshot};
 use burnish::scene::write::scn;
-use egui::Context;
+use egui::{Color32, ColorImage, Context, Rgba};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
@@ -22,6 +24,11 @@ impl Saving {
     /// The same with an edited scene.
     pub(crate) fn scene(ctx: &Context, job: SceneJob) -> Result<Saving, String> {
         Saving::start(ctx, "scene", move || job.run())
+    }
+
+    /// The same with a plot.
+    pub(crate) fn plot(ctx: &Context, job: PlotJob) -> Result<Saving, String> {
+        Saving::start(ctx, "plot", move || job.run())
     }
 
     fn start(
@@ -104,6 +111,55 @@ impl SceneJob {
     }
 }
 
+/// A plot to be written, and where.
+pub(crate) struct PlotJob {
+    pub(crate) plot: Plot,
+    pub(crate) folder: PathBuf,
+    /// The name before the number.
+    pub(crate) stem: String,
+}
+
+pub(crate) enum Plot {
+    Svg(LobeCurves, Style),
+    /// As it was on the screen.
+    Png(ColorImage),
+}
+
+impl PlotJob {
+    fn run(&self) -> Result<String, String> {
+        let kind = if matches!(self.plot, Plot::Svg(..)) { "svg" } else { "png" };
+        let path = (1..100_000)
+            .map(|n| self.folder.join(format!("{}_{n:04}.{kind}", self.stem)))
+            .find(|path| !path.exists())
+            .ok_or_else(|| format!("{} is full of them", self.folder.display()))?;
+        match &self.plot {
+            Plot::Svg(curves, style) => {
+                let text = lobe(curves, *style)?;
+                replace_file(&path, |file| file.write_all(text.as_bytes()))
+            }
+            Plot::Png(image) => write(&path, &as_picture(image)?, Tone::default()),
+        }
+        .map_err(|e| e.to_string())?;
+        Ok(format!("Wrote {}", path.display()))
+    }
+}
+
+/// Codes become light, which the default tones make the same codes again: the file holds what was on
+/// the screen.
+pub(crate) fn as_picture(image: &ColorImage) -> Result<Picture, String> {
+    let side = |s: usize| u32::try_from(s).map_err(|_| "too large a window".to_owned());
+    Ok(Picture {
+        width: side(image.size[0])?,
+        height: side(image.size[1])?,
+        pixels: image.pixels.iter().map(|&code| light(code)).collect(),
+    })
+}
+
+fn light(code: Color32) -> [f32; 3] {
+    let [r, g, b, _] = Rgba::from(code).to_array();
+    [r, g, b]
+}
+
 /// The first name for an edited scene that no file has: "table-edited.scn", "table-edited-2.scn".
 fn free_name(folder: &Path, stem: &str) -> Option<PathBuf> {
     // An edited scene that was edited again.
@@ -146,6 +202,13 @@ pub(crate) fn plain(scene: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_code_comes_back() {
+        for code in 0..=255 {
+            assert_eq!(Tone::default().exact(light(Color32::from_gray(code))), [code; 3]);
+        }
+    }
 
     #[test]
     fn a_scene_gives_a_plain_file_name() {

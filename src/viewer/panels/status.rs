@@ -2,7 +2,8 @@
 
 use crate::viewer::document::Document;
 use crate::viewer::document::goal::Stop;
-use crate::viewer::style::numbers::{percent, short};
+use crate::viewer::picture::canvas::Hover;
+use crate::viewer::style::numbers::{digits, percent, short};
 use crate::viewer::style::theme;
 use burnish::progressive::{ErrorEstimate, Interval, Snapshot, State};
 use egui::{Align, Color32, Label, Layout, Rect, RichText, Ui, UiBuilder};
@@ -17,6 +18,8 @@ pub(crate) struct Facts<'a> {
     /// Whether the goal has been reached.
     pub(crate) done: bool,
     pub(crate) latency: Option<Duration>,
+    /// The pixel under the pointer.
+    pub(crate) hover: Option<&'a Hover>,
     /// The scene being read, by name.
     pub(crate) loading: Option<&'a str>,
 }
@@ -83,18 +86,22 @@ fn progress(ui: &mut Ui, document: &Document, facts: &Facts) {
         ui.label(RichText::new(state).strong());
     }
     let error = snapshot.error.map_or("-".to_owned(), error);
+    let error = format!("rel. error {error:<23}");
+    if let Some(hover) = facts.hover {
+        // The error stays where both have room; what may change with every pixel gives way.
+        let full = &hovered(hover, snapshot.grid.size)[0];
+        let gap = ui.spacing().item_spacing.x;
+        if width_of(ui, &error) + gap + width_of(ui, full) <= ui.available_width() {
+            figure(ui, error, ERROR_TIP);
+        }
+        return pixel(ui, hover, snapshot.grid.size);
+    }
     let seconds = snapshot.seconds;
     let rate = if seconds > 0.0 { snapshot.counts.paths as f64 / seconds } else { 0.0 };
     let rate = format!("{} paths/s", short(rate));
     let latency = facts.latency.map_or("-".to_owned(), |l| format!("{:.0}", l.as_secs_f64() * 1e3));
     let figures = [
-        (
-            format!("rel. error {error:<23}"),
-            "sqrt(mean((x - r)\u{b2} / (r\u{b2} + 0.01))) over pixels and channels, r being the truth, \
-             with its 95 % limits, estimated from independent replicates. \"-\" until they allow an \
-             estimate, \"?\" while it can't be relied on: under 32 passes, or a handful of pixels \
-             owns the error because their bright samples are rare.",
-        ),
+        (error, ERROR_TIP),
         (
             format!("{:<16}", document.goal.ahead(snapshot)),
             "What tracing stops at, and in how many seconds of tracing that is expected: from the \
@@ -109,6 +116,44 @@ fn progress(ui: &mut Ui, document: &Document, facts: &Facts) {
             break;
         }
     }
+}
+
+const ERROR_TIP: &str = "sqrt(mean((x - r)\u{b2} / (r\u{b2} + 0.01))) over pixels and channels, r being the truth, with \
+     its 95 % limits, estimated from independent replicates. \"-\" until they allow an estimate, \
+     \"?\" while it can't be relied on: under 32 passes, or a handful of pixels owns the error \
+     because their bright samples are rare.";
+
+/// The pixel under the pointer, at as great a length as there is room for.
+fn pixel(ui: &mut Ui, hover: &Hover, size: [u32; 2]) {
+    let tip = "The pixel under the pointer: column and row, linear Rec. 709 radiance in \
+               W/(m\u{b2} sr), its standard error, and its own number of samples.";
+    let _ = hovered(hover, size).into_iter().any(|words| figure(ui, words, tip));
+}
+
+/// What is told of a pixel, from the longest to the shortest. Its columns are as wide as they get,
+/// so that nothing moves from pixel to pixel.
+pub(crate) fn hovered(hover: &Hover, size: [u32; 2]) -> [String; 3] {
+    let [x, y] = hover.pixel;
+    let [w, h] = size.map(|side| side.to_string().len());
+    let triple = |c: [f32; 3], digits_of: usize| {
+        c.map(|v| format!("{:>8}", digits(f64::from(v), digits_of))).concat()
+    };
+    let least = format!("({x:>w$}, {y:>h$})  RGB {}", triple(hover.mean, 3));
+    let most = hover.standard_error.map(|c| c.iter().copied().fold(0.0, f32::max));
+    let largest = most.map_or("-".to_owned(), |e| digits(e.into(), 2));
+    let error = hover.standard_error.map_or(format!("{:>24}", "-"), |c| triple(c, 2));
+    let samples = match hover.samples {
+        0 if hover.passes == 0 => "preview".to_owned(),
+        1 => "1 sample".to_owned(),
+        n => format!("{n} samples"),
+    };
+    [format!("{least} \u{b1}{error}  {samples:>15}"), format!("{least} \u{b1} {largest:>7}"), least]
+}
+
+/// Of a text in the line, in points.
+fn width_of(ui: &Ui, text: &str) -> f32 {
+    let font = egui::TextStyle::Monospace.resolve(ui.style());
+    ui.painter().layout_no_wrap(text.to_owned(), font, Color32::PLACEHOLDER).size().x
 }
 
 /// 1.81 % (1.70 to 1.95 %), or 1.8 % ? while it is not reliable.
@@ -203,7 +248,8 @@ mod tests {
         let line = |ui: &mut Ui| {
             let (document, snapshot) = (Some(&document), Some(&snapshot));
             let done = snapshot.is_some_and(|s| s.state == State::Done);
-            let facts = Facts { document, snapshot, done, latency: None, loading: None };
+            let facts =
+                Facts { document, snapshot, done, latency: None, hover: None, loading: None };
             Status.ui(ui, &facts);
         };
         let harness = Harness::builder().with_size([width, 28.0]).build_ui(line);
@@ -247,6 +293,38 @@ mod tests {
         for expected in ["done", "rel. error 1.00 % (0.90 to 1.20 %)", "3 samples not finite"] {
             assert!(words.iter().any(|w| w == expected), "{expected}: {words:?}");
         }
+    }
+
+    #[test]
+    fn a_pixel_s_radiance_error_and_samples_are_told_as_far_as_they_are_known() {
+        let known = Hover {
+            pixel: [42, 24],
+            mean: [0.5, 12.25, 0.0],
+            standard_error: Some([0.001, 0.25, 0.0]),
+            passes: 16,
+            samples: 21,
+        };
+        let words = |hover: &Hover| {
+            let texts = hovered(hover, [640, 480]);
+            texts.map(|t| t.split_whitespace().collect::<Vec<_>>().join(" "))
+        };
+        let [full, short, least] = words(&known);
+        assert_eq!(full, "( 42, 24) RGB 0.500 12.2 0 \u{b1} 0.0010 0.25 0 21 samples");
+        assert_eq!(short, "( 42, 24) RGB 0.500 12.2 0 \u{b1} 0.25");
+        assert_eq!(least, "( 42, 24) RGB 0.500 12.2 0");
+        let preview = Hover { standard_error: None, passes: 0, samples: 0, ..known };
+        assert_eq!(words(&preview)[0], "( 42, 24) RGB 0.500 12.2 0 \u{b1} - preview");
+        // Columns stay in place whatever the numbers are.
+        let other = Hover {
+            pixel: [639, 0],
+            mean: [1.234e-7, 123_456.0, 1e18],
+            standard_error: Some([1.5e-9, 3e20, 0.000_123]),
+            samples: 1_048_576,
+            ..known
+        };
+        let lengths = |hover: &Hover| hovered(hover, [640, 480]).map(|t| t.chars().count());
+        assert_eq!(lengths(&known), lengths(&other));
+        assert_eq!(lengths(&known), lengths(&preview));
     }
 
     #[test]

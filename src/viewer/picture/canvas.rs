@@ -6,7 +6,7 @@ use crate::viewer::picture::side::Side;
 use crate::viewer::picture::versus::{self, DifferenceTexture, Versus};
 use crate::viewer::style::theme;
 use crate::viewer::style::widgets;
-use burnish::progressive::{Snapshot, State};
+use burnish::progressive::{Snapshot, State, TileGrid};
 use burnish::scene::{Camera, Scene};
 use egui::{
     CursorIcon, EventFilter, Id, Key, Modifiers, PointerButton, Pos2, Rect, Response, Role, Sense,
@@ -31,13 +31,14 @@ pub(crate) enum Zoom {
 }
 
 /// A pixel under the pointer: its place, its radiance, the standard error of that once it is
-/// known, and of how many passes; 0 for the coarse preview.
+/// known, of how many passes, and how many samples it has itself; 0 for the coarse preview.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Hover {
     pub(crate) pixel: [u32; 2],
     pub(crate) mean: [f32; 3],
     pub(crate) standard_error: Option<[f32; 3]>,
     pub(crate) passes: u64,
+    pub(crate) samples: u64,
 }
 
 pub(crate) struct Canvas {
@@ -53,6 +54,8 @@ pub(crate) struct Canvas {
     offset: Vec2,
     /// The pixel under the pointer, for the status line.
     pub(crate) hover: Option<Hover>,
+    /// Where the picture was drawn last, in points; it may reach beyond its space.
+    pub(crate) place: Option<Rect>,
     id: Option<Id>,
     /// Pixels of the screen that a picture has room for.
     pub(crate) room: [u32; 2],
@@ -75,6 +78,7 @@ impl Canvas {
             zoom: Zoom::Fit,
             offset: Vec2::ZERO,
             hover: None,
+            place: None,
             id: None,
             room: [640, 480],
         }
@@ -141,7 +145,7 @@ impl Canvas {
         let space = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(space, Sense::click_and_drag());
         self.id = Some(response.id);
-        self.hover = None;
+        (self.hover, self.place) = (None, None);
         let pixels_per_point = ui.pixels_per_point();
         let spaces = versus::spaces(space, versus.as_ref().map(|v| v.layout));
         let margin = Vec2::splat(2.0 * theme::GROUP);
@@ -172,6 +176,7 @@ impl Canvas {
                 (None, Some(texture)) => texture.paint(&ui.painter_at(space), places[0]),
                 (None, None) => {}
             }
+            self.place = Some(places[0]);
             let under = response.hover_pos().is_some_and(|at| spaces[1].contains(at));
             let place = places[usize::from(under)];
             self.pointer(ui, &response, document, place, times);
@@ -231,17 +236,20 @@ impl Canvas {
             *camera = orbit::dolly(camera, subject, factor);
         }
         let Some((pixel, exact)) = self.pixel_at(at, place) else { return };
+        let grid = self.sides[0].size().unwrap_or_default();
         self.hover =
             self.sides[0].texture.as_ref().and_then(|t| t.pixel(pixel)).map(|(tile, i)| Hover {
                 pixel,
                 mean: tile.mean[i],
                 standard_error: tile.standard_error.get(i).copied(),
                 passes: tile.passes,
+                samples: tile.samples_of(TileGrid { size: grid }, pixel),
             });
         if response.clicked_by(PointerButton::Primary) {
             let params = &document.params;
             let hit = params.scene.pick(&params.camera, params.size, exact);
             document.pick(hit);
+            document.asked = Some(pixel);
         }
         ui.set_cursor_icon(match (response.dragged(), shift > 0.0) {
             (true, true) => CursorIcon::Move,

@@ -4,7 +4,6 @@ pub(crate) mod canvas;
 pub(crate) mod difference;
 pub(crate) mod frozen;
 pub(crate) mod orbit;
-pub(crate) mod readout;
 pub(crate) mod side;
 pub(crate) mod texture;
 pub(crate) mod versus;

@@ -179,6 +179,90 @@ pub(crate) const NORMALS: Control = control(
     "Which microfacet normals are drawn. Both give the same picture with different noise.",
 );
 
+/// Names of sections that are controls as well.
+pub(crate) const LOBES: &str = "Lobes";
+pub(crate) const PIXEL: &str = "Pixel";
+
+pub(crate) const QUANTITY: Control =
+    control("Quantity", "What is drawn over the angle, for all three models over each other.");
+pub(crate) const AXES: Control = control("Axes", "How the curves are drawn.");
+pub(crate) const AXES_CHOICES: [Control; 2] = [
+    control("Cartesian", "The value over the angle from the normal."),
+    control("Polar", "The value as the distance from the surface's point, in its direction."),
+];
+pub(crate) const SCALE: Control = control("Scale", "How values are spaced.");
+pub(crate) const SCALE_CHOICES: [Control; 2] = [
+    control("Linear", "Equal differences of values are equally far apart; from 0."),
+    control("Log", "Equal ratios of values are equally far apart; six decades at most."),
+];
+pub(crate) const LOBE_OF: Control = control("Lobe of", "Which reflectances f has.");
+pub(crate) const WHITE: Control =
+    control("F = 1", "The specular lobe alone with F = 1: what the models differ in.");
+pub(crate) const OF_MATERIAL: Control = control(
+    "Material",
+    "The selected material's Kd and Ks, by their Rec. 709 luminance, with Schlick's F.",
+);
+pub(crate) const OF_PIXEL: Control = control(
+    "Clicked",
+    "The material behind the clicked pixel at the angle from which the pixel sees it; it keeps up \
+     with the camera. Moving the slider leaves it.",
+);
+pub(crate) const THETA_O: Control = control(
+    "theta of wo",
+    "Angle between the normal and the direction wo to the viewer, 0 to 89 degrees. Drag or type.",
+);
+pub(crate) const CURVES: Control = control(
+    "Lobe curves",
+    "Values at the pointer are in the table below. With the focused plot (Tab) the left and right \
+     arrows move by 1 degree.",
+);
+pub(crate) const COPY_CSV: Control =
+    control("Copy CSV", "Copies the curves as a table: angle in degrees, and each model's value.");
+pub(crate) const SAVE_SVG: Control =
+    control("Save SVG", "Writes the plot as an SVG file to where snapshots go.");
+pub(crate) const SAVE_PNG: Control = control(
+    "Save PNG",
+    "Writes the plot as it is on the screen as a PNG file to where snapshots go.",
+);
+
+pub(crate) const ASKED: Control = control(
+    "Pixel",
+    "Which pixel is taken apart, from the top left, from 0. A click in the picture sets it.",
+);
+pub(crate) const COLUMN: Control =
+    control("Column", "Column of the pixel, from 0 at the left. Drag or type.");
+pub(crate) const ROW: Control =
+    control("Row", "Row of the pixel, from 0 at the top. Drag or type.");
+pub(crate) const SAMPLES: Control = control(
+    "Samples",
+    "By how many samples of the reference tracer the pixel is taken apart, 16 to 65536. Drag or \
+     type.",
+);
+pub(crate) const THETA_I: Control = control(
+    "theta of wi",
+    "Angle between the normal and the direction wi to the light in the plane of incidence, -89 to \
+     89 degrees; below 0 on the viewer's side.",
+);
+pub(crate) const MIRROR: Control =
+    control("Mirror", "The light in the mirror direction, where the half vector is the normal.");
+pub(crate) const DRAW_PATH: Control = control(
+    "Draw over the picture",
+    "Draws the path as a line over the picture, its vertices numbered, thin lines going to lights.",
+);
+
+pub(crate) const DIRECTIONS_TIP: &str =
+    "Directions sampled from the BRDF, in the local frame of the first surface.";
+pub(crate) const BY_EVENT_TIP: &str = "Mean luminance in W/(m\u{b2} sr) by the number of scattering events between camera and light, \
+     with half the width of its 95 % interval, from 16 independent randomisations (Student).";
+pub(crate) const BY_TECHNIQUE_TIP: &str = "The same light by how it was found: seen by the camera, by sampling a light at a surface, or by \
+     a direction sampled from the BRDF that hit a light. With MIS both of the latter are weighted.";
+pub(crate) const HISTOGRAM_TIP: &str = "How many samples have which luminance in W/(m\u{b2} sr), over its logarithm, eight steps a decade.";
+pub(crate) const BRIGHTEST_TIP: &str =
+    "The sample of the greatest luminance, traced again. One such sample in few is a firefly.";
+pub(crate) const BETA_TIP: &str =
+    "Luminance of the path's throughput beta up to the vertex: the product of f cos / pdf.";
+pub(crate) const ADDS_TIP: &str = "Luminance that emission and light sampling at the vertex add to the sample, in W/(m\u{b2} sr).";
+
 pub(crate) const WATCH: Control = control(
     "Read again when it changes",
     "When a file of the scene changes on the disk, the scene is read again. A camera that was moved \
@@ -196,7 +280,8 @@ pub(crate) fn table() -> Vec<(&'static str, Vec<(String, String)>)> {
     use crate::viewer::panels::method;
     use crate::viewer::panels::tracing::Depth;
     use crate::viewer::panels::view;
-    use burnish::{brdf::Normals, picture::Curve, progressive::Strategy};
+    use burnish::{brdf::Normals, measure::lobe::Quantity};
+    use burnish::{picture::Curve, progressive::Strategy};
     let line = |c: &Control| (c.name.to_owned(), c.tip.to_owned());
     let choice =
         |of: &Control, name: &str, words: &str| (format!("{}: {name}", of.name), words.to_owned());
@@ -241,9 +326,25 @@ pub(crate) fn table() -> Vec<(&'static str, Vec<(String, String)>)> {
     compare.extend(First::ALL.map(|f| choice(&FIRST, f.title(), f.tip())));
     compare.extend(lines(&[SECOND, OTHER_ALPHA, MATCH, WIPE]));
 
+    let mut lobes = lines(&[QUANTITY]);
+    lobes.extend(Quantity::ALL.map(|q| choice(&QUANTITY, q.title(), q.describe())));
+    let choices: [(Control, &[Control]); 3] = [
+        (AXES, &AXES_CHOICES),
+        (SCALE, &SCALE_CHOICES),
+        (LOBE_OF, &[WHITE, OF_MATERIAL, OF_PIXEL]),
+    ];
+    for (of, among) in choices {
+        lobes.push(line(&of));
+        lobes.extend(among.iter().map(|c| choice(&of, c.name, c.tip)));
+    }
+    lobes.extend(lines(&[THETA_O, CURVES, COPY_CSV, SAVE_SVG, SAVE_PNG]));
+    let pixel = lines(&[ASKED, COLUMN, ROW, SAMPLES, THETA_I, MIRROR, DRAW_PATH]);
+
     vec![
         ("First in the panel", first),
         ("Compare", compare),
+        (LOBES, lobes),
+        (PIXEL, pixel),
         ("Materials", materials),
         ("View", view),
         ("Tracing", tracing),

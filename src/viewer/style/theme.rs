@@ -1,5 +1,6 @@
 //! Colours, spacing and type.
 
+use burnish::brdf::Model;
 use egui::{
     Color32, Context, CornerRadius, FontFamily, FontId, Margin, Stroke, Style, TextStyle, Ui,
     Visuals, vec2,
@@ -21,6 +22,18 @@ pub(crate) const ALARM: Color32 = Color32::from_rgb(0xb8, 0x1c, 0x14);
 /// The one accent, a polished bronze; on dark ground and on light.
 fn accent(dark: bool) -> Color32 {
     if dark { Color32::from_rgb(0xd6, 0x9b, 0x5c) } else { Color32::from_rgb(0x8a, 0x56, 0x20) }
+}
+
+/// The colour that stands for a model in every plot: sky blue, vermilion and bluish green after Okabe
+/// and Ito, which the colour-blind tell apart.
+pub(crate) fn model(visuals: &Visuals, model: Model) -> Color32 {
+    let (dark, light) = match model {
+        Model::Phong => ([0x56, 0xb4, 0xe9], [0x00, 0x72, 0xb2]),
+        Model::Beckmann => ([0xf0, 0x7f, 0x45], [0xc4, 0x4f, 0x00]),
+        Model::Ggx => ([0x2f, 0xc4, 0x9a], [0x00, 0x80, 0x5e]),
+    };
+    let [r, g, b] = if visuals.dark_mode { dark } else { light };
+    Color32::from_rgb(r, g, b)
 }
 
 /// The ground on which the picture is judged: neutral, of middle lightness.

@@ -173,18 +173,30 @@ fn the_pixel_under_the_pointer_is_told() {
     let error = desk.newest().standard_error().pixels[24 * 64 + 42];
     assert_eq!(hover.standard_error, Some(error));
     assert!(error[0] > 0.0, "{error:?}");
-    for line in crate::viewer::picture::readout::lines(&hover) {
-        desk.harness.get_by_label(&line);
-    }
-    // It makes way for the pointer, and goes with it.
-    let place = |desk: &Desk| desk.harness.get_by_label_contains("RGB  ").rect();
-    let before = place(&desk);
-    desk.harness.set_size(vec2(1280.0, 720.0));
-    desk.harness.run_ok();
+    assert_eq!(hover.samples, desk.newest().samples()[24 * 64 + 42]);
+    // In the status line, below the picture and not over it, in columns that stay.
+    let line = |desk: &Desk| {
+        let node = desk.harness.get_by_label_contains("RGB  ");
+        (node.rect(), node.value().unwrap_or_default())
+    };
+    let (place, text) = line(&desk);
+    assert_eq!(text, crate::viewer::panels::status::hovered(&hover, [64, 48])[0]);
+    assert!(place.min.y >= desk.canvas().max.y, "over the picture");
     let corner = desk.point([0.5, 0.5]);
     desk.harness.hover_at(corner);
     desk.harness.run_ok();
-    assert!(place(&desk).min.x - before.min.x > 400.0);
+    let (other, text_there) = line(&desk);
+    assert_eq!(other, place);
+    assert_eq!(text.chars().count(), text_there.chars().count());
+    // Narrow windows leave out the end, and not the pixel.
+    desk.harness.set_size(vec2(900.0, 600.0));
+    desk.harness.run_ok();
+    let at = desk.point([42.5, 24.5]);
+    desk.harness.hover_at(at);
+    desk.harness.run_ok();
+    let hover = desk.app().canvas.hover.unwrap();
+    let texts = crate::viewer::panels::status::hovered(&hover, [64, 48]);
+    assert!(texts[1..].contains(&line(&desk).1), "{:?}", line(&desk));
     desk.harness.hover_at(egui::pos2(1.0, 1.0));
     desk.harness.run_ok();
     assert!(desk.app().canvas.hover.is_none());

@@ -1,0 +1,79 @@
+//! What the plot is taken along as: a table, an SVG file, a picture.
+
+use burnish::measure::lobe::LobeCurves;
+use burnish::measure::plot::Style;
+use egui::{ColorImage, Context, Rect, ViewportCommand};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, channel};
+
+/// Curves that leave the window.
+pub(crate) struct Export {
+    /// How a file's name begins, such as "lobes_f-cos_alpha-0.1414".
+    pub(crate) stem: String,
+    pub(crate) content: Content,
+}
+
+pub(crate) enum Content {
+    /// A table for the clipboard.
+    Copied(String),
+    Svg(LobeCurves, Style),
+    /// As it is on the screen.
+    Png(ColorImage),
+}
+
+/// The plot as the window shows it.
+pub(super) struct Shot {
+    pub(super) stem: String,
+    pub(super) image: ColorImage,
+}
+
+/// Asks the window for a picture of a part of itself; repaints when it is there.
+pub(super) fn shoot(ctx: &Context, place: Rect, stem: String) -> Receiver<Shot> {
+    let (send, shot) = channel();
+    let (scale, repaint) = (ctx.pixels_per_point(), ctx.clone());
+    let callback = egui::ScreenshotCallback::new(move |window: Arc<ColorImage>| {
+        let image = part(&window, place, scale);
+        // Nobody listens when another picture has been asked for meanwhile.
+        let _ = send.send(Shot { stem, image });
+        repaint.request_repaint();
+    });
+    ctx.send_viewport_cmd(ViewportCommand::Screenshot(callback));
+    ctx.request_repaint();
+    shot
+}
+
+/// What lies within a rectangle in points, as far as the picture goes.
+fn part(window: &ColorImage, place: Rect, scale: f32) -> ColorImage {
+    let [width, height] = window.size;
+    let within = |from: f32, to: f32, size: usize| {
+        let [from, to] = [from, to].map(|x| (x * scale).round().max(0.0) as usize);
+        from.min(size)..to.min(size)
+    };
+    let columns = within(place.left(), place.right(), width);
+    let rows = within(place.top(), place.bottom(), height);
+    let size = [columns.len(), rows.len()];
+    let rows = rows.map(|y| &window.pixels[y * width..][columns.clone()]);
+    ColorImage::new(size, rows.flatten().copied().collect())
+}
+
+pub(super) fn stem(curves: &LobeCurves) -> String {
+    let quantity = curves.quantity.title().replace(' ', "-");
+    format!("lobes_{quantity}_alpha-{:.4}", curves.channel.roughness.alpha())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::{Color32, pos2};
+
+    #[test]
+    fn a_part_is_cut_out_and_never_beyond_the_window() {
+        let pixels = (0..6 * 4).map(|i| Color32::from_gray(i as u8)).collect();
+        let window = ColorImage::new([6, 4], pixels);
+        let place = Rect::from_min_max(pos2(0.5, 1.0), pos2(1.5, 9.0));
+        let cut = part(&window, place, 2.0);
+        assert_eq!(cut.size, [2, 2]);
+        let codes: Vec<u8> = cut.pixels.iter().map(|c| c.r()).collect();
+        assert_eq!(codes, [13, 14, 19, 20]);
+    }
+}
