@@ -2,13 +2,13 @@
 
 mod support;
 
-use burnish::brdf::{Microfacet, Model, ModelVisitor};
+use burnish::brdf::Model;
 use burnish::math::Rgb;
 use burnish::math::lanes::Isa;
 use burnish::progressive::Params;
 use burnish::scene::builtin::Example;
 use burnish::scene::{Camera, Material, Mesh, Scene, SceneBuilder};
-use burnish::trace::{Hand, Round, Scratch, Tracer};
+use burnish::trace::{Hand, Round};
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 use support::{Mean, Random, ball};
@@ -68,37 +68,21 @@ fn scenes() -> Vec<Scene> {
     std::iter::once(everything()).chain(shipped).collect()
 }
 
-/// A pass of some pixels, by the engine or one by one.
-struct Pass<'a> {
-    tracer: &'a Tracer,
-    pixels: &'a [[u32; 2]],
-    pass: u64,
-    one_by_one: bool,
-    scratch: &'a mut Scratch,
-}
-
-impl ModelVisitor for Pass<'_> {
-    type Output = Vec<Rgb>;
-    fn visit<M: Microfacet>(self) -> Vec<Rgb> {
-        let Pass { tracer, pixels, pass, one_by_one, scratch } = self;
-        if one_by_one {
-            return pixels.iter().map(|&[x, y]| tracer.sample::<M>(x, y, pass, scratch)).collect();
-        }
-        let mut found = Vec::new();
-        tracer.sample_each::<M>(&mut pixels.iter().copied(), pass, scratch, &mut |c| found.push(c));
-        found
-    }
-}
-
 fn all_pixels([width, height]: [u32; 2]) -> Vec<[u32; 2]> {
     (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).collect()
 }
 
+/// A pass of some pixels, by the engine or one by one, with the rays and the paths cut short.
 fn pass(params: &Params, pixels: &[[u32; 2]], pass: u64, one_by_one: bool) -> (Vec<Rgb>, [u64; 2]) {
     let tracer = params.tracer();
     let mut scratch = tracer.scratch();
-    let work = Pass { tracer: &tracer, pixels, pass, one_by_one, scratch: &mut scratch };
-    let found = params.model.visit(work);
+    let mut found = Vec::new();
+    if one_by_one {
+        found.extend(pixels.iter().map(|&[x, y]| tracer.sample(x, y, pass, &mut scratch)));
+    } else {
+        let pixels = &mut pixels.iter().copied();
+        tracer.sample_each(pixels, pass, &mut scratch, &mut |c| found.push(c));
+    }
     (found, [scratch.rays, scratch.capped])
 }
 
@@ -183,18 +167,6 @@ fn the_wide_sets_give_the_same_bits() {
     }
 }
 
-/// A pass of a picture's pixels, each for itself, with further rays that look for lamps or without.
-struct Looking<'a>(&'a Tracer, &'a Hand, Round<'a>, &'a mut Scratch);
-
-impl ModelVisitor for Looking<'_> {
-    type Output = Vec<Rgb>;
-    fn visit<M: Microfacet>(self) -> Vec<Rgb> {
-        let mut found = Vec::new();
-        self.0.sample_hand::<M>(self.1, self.2, self.3, &mut |_, c| found.push(c));
-        found
-    }
-}
-
 /// A lamp in front of nothing, from near enough that most pixels have none of its edges.
 fn lamp_alone() -> Scene {
     let mut b = SceneBuilder::new("lamp alone");
@@ -230,7 +202,9 @@ fn looking_further_for_lamps_changes_the_noise_and_nothing_else() {
                 let mut samples = vec![0.0; pixels.len()];
                 for number in 0..4 {
                     let round = Round { looks, ..Round::of(number) };
-                    let traced = model.visit(Looking(&tracer, &hand, round, &mut scratch));
+                    let mut traced = Vec::new();
+                    let put = &mut |_, c| traced.push(c);
+                    tracer.sample_hand(&hand, round, &mut scratch, put);
                     if !looks && seed == 0 {
                         assert!(traced == pass(&params, &hand.pixels, number, false).0, "{name}");
                     }

@@ -2,13 +2,13 @@
 
 mod support;
 
-use burnish::brdf::{Microfacet, Model, ModelVisitor};
+use burnish::brdf::Model;
 use burnish::math::Rgb;
 use burnish::math::lanes::Isa;
 use burnish::progressive::{Params, Replay, render};
 use burnish::scene::builtin::Example;
 use burnish::scene::{Camera, Material, Scene, SceneBuilder};
-use burnish::trace::{Deal, Group, Hand, Part, Round, Scratch, Tracer};
+use burnish::trace::{Deal, Group, Hand, Part};
 use glam::DVec3;
 use std::sync::Arc;
 use support::Mean;
@@ -52,20 +52,6 @@ fn scenes() -> Vec<Scene> {
     let shipped =
         ["shell", "cornell"].map(|name| Example::named(name).unwrap().read().unwrap().0.build());
     [touching(), mirrors()].into_iter().chain(shipped).collect()
-}
-
-/// A pass of a bundle.
-struct Pass<'a>(&'a Tracer, &'a Hand, u64, &'a mut Scratch);
-
-impl ModelVisitor for Pass<'_> {
-    type Output = Vec<Rgb>;
-    fn visit<M: Microfacet>(self) -> Vec<Rgb> {
-        let mut found = Vec::new();
-        self.0.sample_hand::<M>(self.1, Round::of(self.2), self.3, &mut |_, sample| {
-            found.push(sample)
-        });
-        found
-    }
 }
 
 fn hands(deal: &Deal) -> Vec<Hand> {
@@ -136,7 +122,7 @@ fn the_parts_make_up_the_whole() {
         for mut hand in hands(&Deal::new(params.size, 2, 5, Group::ThirtyTwo)) {
             let [whole, own, shared] = [Part::Whole, Part::Own, Part::Shared].map(|part| {
                 hand.part = part;
-                params.model.visit(Pass(&tracer, &hand, 5, &mut scratch))
+                tracer.samples_of(&hand, 5, &mut scratch)
             });
             for ((whole, own), shared) in whole.into_iter().zip(own).zip(shared) {
                 let (sum, whole) = ((own + shared).luminance(), whole.luminance());
@@ -155,14 +141,14 @@ fn a_group_can_be_traced_again_alone() {
         let tracer = params.tracer();
         let mut scratch = tracer.scratch();
         for hand in hands(&Deal::new(params.size, 0, 7, group)) {
-            let together = params.model.visit(Pass(&tracer, &hand, 7, &mut scratch));
+            let together = tracer.samples_of(&hand, 7, &mut scratch);
             let mut start = 0;
             for &end in &hand.ends {
                 let places = start..end as usize;
                 let pixels = hand.pixels[places.clone()].to_vec();
                 let ends = vec![pixels.len() as u32];
                 let alone = Hand { pixels, ends, ..Hand::default() };
-                let again = params.model.visit(Pass(&tracer, &alone, 7, &mut scratch));
+                let again = tracer.samples_of(&alone, 7, &mut scratch);
                 assert!(again == together[places], "{model:?} {group:?}");
                 start = end as usize;
             }
@@ -185,7 +171,7 @@ fn instruction_sets_agree() {
             let mut all = Vec::new();
             for (pass, group) in (0..).zip(SHARED) {
                 for hand in hands(&Deal::new(params.size, 0, pass, group)) {
-                    all.extend(params.model.visit(Pass(&tracer, &hand, pass, &mut scratch)));
+                    all.extend(tracer.samples_of(&hand, pass, &mut scratch));
                 }
             }
             found.push(all);

@@ -4,7 +4,6 @@
 //! and as unbiased; what noise that mean has left is known and taken off. (That the mean itself is
 //! right is not shown here but by scenes whose answer is known, [`super::exact`].)
 
-use crate::brdf::{Microfacet, ModelVisitor};
 use crate::film::{DEGREES_OF_FREEDOM, ErrorEstimate, REL_MSE_FLOOR, student};
 use crate::math::Rgb;
 use crate::math::sequence::REPLICATES;
@@ -237,7 +236,7 @@ impl Renders {
             let tracer = params.tracer();
             let of = |pass: fn(u64) -> u64| {
                 let visitor = Picture { tracer: &tracer, size: params.size, passes, pass };
-                self.rel_mse(&params.model.visit(visitor))
+                self.rel_mse(&visitor.mean())
             };
             dealt += of(|i| i);
             single += of(|i| i * REPLICATES as u64);
@@ -279,27 +278,21 @@ struct Picture<'a> {
     pass: fn(u64) -> u64,
 }
 
-impl ModelVisitor for Picture<'_> {
-    type Output = Vec<[f32; 3]>;
-    fn visit<M: Microfacet>(self) -> Vec<[f32; 3]> {
+impl Picture<'_> {
+    fn mean(&self) -> Vec<[f32; 3]> {
         let [width, height] = self.size;
         let mut sums = vec![[0.0f64; 3]; width as usize * height as usize];
         let mut scratch = self.tracer.scratch();
         for pass in (0..self.passes).map(self.pass) {
             let mut pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
             let mut sum = sums.iter_mut();
-            self.tracer.sample_each::<M>(
-                &mut pixels,
-                pass,
-                &mut scratch,
-                &mut |Rgb { r, g, b }| {
-                    if let Some(sum) = sum.next() {
-                        for (sum, x) in sum.iter_mut().zip([r, g, b]) {
-                            *sum += x as f64;
-                        }
+            self.tracer.sample_each(&mut pixels, pass, &mut scratch, &mut |Rgb { r, g, b }| {
+                if let Some(sum) = sum.next() {
+                    for (sum, x) in sum.iter_mut().zip([r, g, b]) {
+                        *sum += x as f64;
                     }
-                },
-            );
+                }
+            });
         }
         sums.iter().map(|s| s.map(|x| (x / self.passes as f64) as f32)).collect()
     }

@@ -1,6 +1,5 @@
 //! Where the engine's time goes: stages by the clock, rays by kind, lanes in use. One thread.
 
-use crate::brdf::{Microfacet, ModelVisitor};
 use crate::progressive::Params;
 use crate::trace::{Deal, Effort, Group, Hand, Scratch, Stage, Tracer};
 use std::time::{Duration, Instant};
@@ -50,8 +49,7 @@ impl Profile {
             let [columns, rows] = deal.bundles();
             for at in (0..rows).flat_map(|y| (0..columns).map(move |x| [x, y])) {
                 deal.bundle(at, &mut hand);
-                let bundle = Bundle { tracer: &tracer, hand: &hand, pass };
-                params.model.visit(Watched { bundle, scratch: &mut scratch, into: &mut profile });
+                profile.watch(&tracer, &hand, pass, &mut scratch);
                 profile.paths += hand.pixels.len() as u64;
             }
         }
@@ -66,29 +64,16 @@ impl Profile {
     }
 }
 
-struct Bundle<'a> {
-    tracer: &'a Tracer,
-    hand: &'a Hand,
-    pass: u64,
-}
-
-struct Watched<'a> {
-    bundle: Bundle<'a>,
-    scratch: &'a mut Scratch,
-    into: &'a mut Profile,
-}
-
-impl ModelVisitor for Watched<'_> {
-    type Output = ();
-    fn visit<M: Microfacet>(self) {
-        let Watched { bundle: Bundle { tracer, hand, pass }, scratch, into } = self;
+impl Profile {
+    /// Takes note of what a bundle's stages take.
+    fn watch(&mut self, tracer: &Tracer, hand: &Hand, pass: u64, scratch: &mut Scratch) {
         let mut last = Instant::now();
-        tracer.watch_hand::<M>(hand, pass, scratch, &mut |stage, members| {
+        tracer.watch_hand(hand, pass, scratch, &mut |stage, members| {
             let now = Instant::now();
-            let cost = &mut into.stages[stage as usize];
+            let cost = &mut self.stages[stage as usize];
             cost.time += now - last;
             cost.members += members as u64;
-            cost.lanes += members.next_multiple_of(into.width) as u64;
+            cost.lanes += members.next_multiple_of(self.width) as u64;
             last = now;
         });
     }

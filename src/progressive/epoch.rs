@@ -2,7 +2,6 @@
 
 use super::canvas::Canvas;
 use super::plan::{self, Plan};
-use super::trace::trace;
 use super::turn::Turn;
 use super::{Counts, Params, Snapshot, State, TileGrid, TileImage, pilot};
 use crate::film::{ErrorSums, Film};
@@ -119,7 +118,7 @@ impl Epoch {
     ) {
         let Own { scratch, hand } = own;
         deal.bundle(at, hand);
-        trace(&self.params, &self.tracer, hand, round, scratch, put);
+        self.tracer.sample_hand(hand, round, scratch, put);
     }
 
     /// The plan for the passes that come next, made if it is not there: all films then have the passes
@@ -184,7 +183,7 @@ impl Epoch {
                         false => nonfinite += 1,
                     }
                 };
-                trace(&self.params, &self.tracer, hand, Round::of(0), scratch, put);
+                self.tracer.sample_hand(hand, Round::of(0), scratch, put);
                 paths += hand.pixels.len() as u64;
                 (0..2).for_each(|which| film.count_samples(cell, 2 * half + which));
                 if plan::is_noted(pair + 1) {

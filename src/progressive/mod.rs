@@ -15,7 +15,6 @@ mod replay;
 mod session;
 mod snapshot;
 mod stop;
-mod trace;
 mod turn;
 mod work;
 

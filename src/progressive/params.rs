@@ -121,6 +121,7 @@ impl Params {
             self.size,
             self.seed,
             self.max_depth,
+            self.model,
             self.method(),
         )
     }

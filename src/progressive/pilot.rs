@@ -7,7 +7,6 @@
 //! the decision depends on them, so the picture must not.
 
 use super::Params;
-use super::trace::samples;
 use crate::film::REL_MSE_FLOOR;
 use crate::math::Rgb;
 use crate::trace::{Deal, Effort, Group, Hand, Part, Scratch, Tracer};
@@ -57,7 +56,7 @@ pub(super) fn tasks() -> Vec<Task> {
 
 /// How many paths share with these parameters, where no pilot is asked.
 pub(super) fn without(params: &Params, tracer: &Tracer) -> Option<Group> {
-    if tracer.shares(params.model) { params.group } else { Some(Group::None) }
+    if tracer.shares() { params.group } else { Some(Group::None) }
 }
 
 /// How many paths share with these parameters.
@@ -93,7 +92,7 @@ impl Task {
         scratch.effort = Effort::default();
         let samples = (FIRST_PASS..FIRST_PASS + TIMES)
             .map(|pass| {
-                let found = samples(params, tracer, &hand, pass, scratch);
+                let found = tracer.samples_of(&hand, pass, scratch);
                 order.iter().map(|&i| found[i]).collect()
             })
             .collect();

@@ -1,6 +1,5 @@
 //! One sample of one pixel, traced again with those that it shared with.
 
-use super::trace::samples;
 use super::{Params, pilot, plan};
 use crate::math::Rgb;
 use crate::trace::{Deal, Group, Part};
@@ -46,7 +45,7 @@ impl Replay {
         };
         let mut trace = |part: Part| {
             hand.part = part;
-            samples(params, &tracer, &hand, pass, &mut scratch)
+            tracer.samples_of(&hand, pass, &mut scratch)
         };
         let whole = trace(Part::Whole);
         let shared = match group {

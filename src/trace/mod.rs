@@ -6,6 +6,7 @@
 //! [`Tracer::sample_each`] does the same for hundreds of paths side by side, as many at a time as a
 //! register holds: with the same random numbers, by other orders of the same sums.
 
+mod by_model;
 mod deal;
 mod engine;
 mod errata;
@@ -140,6 +141,7 @@ pub struct Tracer {
     camera: CameraRays,
     seed: u64,
     max_depth: u32,
+    model: Model,
     method: Method,
 }
 
@@ -254,6 +256,7 @@ impl Tracer {
         size: [u32; 2],
         seed: u64,
         max_depth: Option<u32>,
+        model: Model,
         method: Method,
     ) -> Tracer {
         let surfaces = materials.iter().map(Surface::new).collect();
@@ -265,6 +268,7 @@ impl Tracer {
             camera: CameraRays::new(camera, scene.placement(), size),
             seed,
             max_depth: max_depth.unwrap_or(u32::MAX),
+            model,
             method,
             scene,
         }
@@ -272,8 +276,8 @@ impl Tracer {
 
     /// Whether paths can share what they find: where the engine works, and a path may be scattered
     /// twice.
-    pub fn shares(&self, model: Model) -> bool {
-        self.method.is_the_engines(model) && self.max_depth > 1
+    pub fn shares(&self) -> bool {
+        self.is_the_engines() && self.max_depth > 1
     }
 
     /// About how many bytes of memory it holds beside the scene's: what was made of lights and
@@ -281,6 +285,11 @@ impl Tracer {
     pub fn bytes(&self) -> usize {
         // A material's record in the tables and for the reference tracer.
         self.lights.bytes() + self.surfaces.len() * 2 * size_of::<Surface>()
+    }
+
+    /// Whether the engine traces it.
+    fn is_the_engines(&self) -> bool {
+        self.method.is_the_engines(self.model)
     }
 
     /// Memory for one worker.

@@ -47,16 +47,16 @@ impl<R: Rules> Pixels<'_, R> {
 impl Tracer {
     /// Radiance of one sample: pass `pass` (from 0) of the pixel in column `x`, row `y` from the
     /// top. The same arguments give the same bits, always.
-    pub fn sample<M: Microfacet>(&self, x: u32, y: u32, pass: u64, scratch: &mut Scratch) -> Rgb {
+    pub fn sample(&self, x: u32, y: u32, pass: u64, scratch: &mut Scratch) -> Rgb {
         let mut radiance = Rgb::BLACK;
         let each = &mut |found| radiance = found;
-        self.sample_one_by_one::<M>(&mut [[x, y]].into_iter(), pass, 1, scratch, each);
+        self.one_by_one(&mut [[x, y]].into_iter(), pass, 1, scratch, each);
         radiance
     }
 
     /// [`Tracer::sample`] of one pixel after the other, or of blocks of pixels. What is not the right tracer with visible
     /// normals is compiled once for all models.
-    pub(super) fn sample_one_by_one<M: Microfacet>(
+    pub(super) fn sample_pixels<M: Microfacet>(
         &self,
         pixels: &mut dyn Iterator<Item = [u32; 2]>,
         pass: u64,

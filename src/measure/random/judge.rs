@@ -1,7 +1,6 @@
 //! The engine's pictures of a scene against the reference tracer's.
 
 use super::{Kind, RandomError, RandomScene};
-use crate::brdf::{Microfacet, ModelVisitor};
 use crate::film::normal_score;
 use crate::progressive::{Counts, Options, Params, Session, Snapshot, State};
 use crate::trace::{Scratch, Tracer};
@@ -301,38 +300,25 @@ fn samples(params: &Params, passes: u64, counts: &mut Counts) -> Vec<f64> {
     let mut scratch = tracer.scratch();
     let mut sums = Sums::new(params.size);
     for pass in 0..passes {
-        let work = Pass { tracer: &tracer, pass, sums: &mut sums, scratch: &mut scratch };
-        counts.nonfinite += params.model.visit(work);
+        counts.nonfinite += add_pass(&tracer, pass, &mut sums, &mut scratch);
     }
     counts.rays += scratch.rays;
     sums.means()
 }
 
-/// A pass of every pixel, each for itself.
-struct Pass<'a> {
-    tracer: &'a Tracer,
-    pass: u64,
-    sums: &'a mut Sums,
-    scratch: &'a mut Scratch,
-}
-
-impl ModelVisitor for Pass<'_> {
-    /// Samples that were not finite.
-    type Output = u64;
-    fn visit<M: Microfacet>(self) -> u64 {
-        let Pass { tracer, pass, sums, scratch } = self;
-        let [width, height] = sums.size.map(|s| s as u32);
-        let pixels = &mut (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
-        let (mut i, mut nonfinite) = (0, 0);
-        tracer.sample_each::<M>(pixels, pass, scratch, &mut |sample| {
-            match sample.is_finite() {
-                true => sums.add(i, sample.into()),
-                false => nonfinite += 1,
-            }
-            i += 1;
-        });
-        nonfinite
-    }
+/// Adds a pass of every pixel, each for itself; the number of samples that were not finite.
+fn add_pass(tracer: &Tracer, pass: u64, sums: &mut Sums, scratch: &mut Scratch) -> u64 {
+    let [width, height] = sums.size.map(|s| s as u32);
+    let pixels = &mut (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+    let (mut i, mut nonfinite) = (0, 0);
+    tracer.sample_each(pixels, pass, scratch, &mut |sample| {
+        match sample.is_finite() {
+            true => sums.add(i, sample.into()),
+            false => nonfinite += 1,
+        }
+        i += 1;
+    });
+    nonfinite
 }
 
 /// Waits for the end of a session.

@@ -94,15 +94,15 @@ impl Tracer {
     /// Radiance of one sample of each pixel, in their order: pass `pass` (from 0) of the pixels in
     /// these columns and rows from the top, as [`Tracer::sample`] finds it. The same pixel gets the same bits in any company and on
     /// any number of threads; they may differ from one instruction set to another.
-    pub fn sample_each<M: Microfacet>(
+    pub fn sample_each(
         &self,
         pixels: &mut dyn Iterator<Item = [u32; 2]>,
         pass: u64,
         scratch: &mut Scratch,
         each: &mut dyn FnMut(Rgb),
     ) {
-        if !self.method.is_the_engines(M::MODEL) {
-            return self.sample_one_by_one::<M>(pixels, pass, 1, scratch, each);
+        if !self.is_the_engines() {
+            return self.one_by_one(pixels, pass, 1, scratch, each);
         }
         let mut some = Hand::default();
         loop {
@@ -112,7 +112,7 @@ impl Tracer {
                 return;
             }
             let round = Round { looks: false, ..Round::of(pass) };
-            self.sample_together::<M>(&some, round, scratch, &mut |_, _| {});
+            self.together(&some, round, scratch, &mut |_, _| {});
             for &radiance in &scratch.bundle.radiance {
                 each(radiance.into());
             }
@@ -121,45 +121,46 @@ impl Tracer {
 
     /// The same for the pixels of a [`Hand`], which share as it says, and for what a [`Round`] has
     /// besides: a picture's samples. Not for more than a hand's pixels.
-    pub fn sample_hand<M: Microfacet>(
+    pub fn sample_hand(
         &self,
         hand: &Hand,
         round: Round,
         scratch: &mut Scratch,
         each: &mut dyn FnMut([u32; 2], Rgb),
     ) {
-        if !self.method.is_the_engines(M::MODEL) {
+        if !self.is_the_engines() {
             let mut pixels = hand.pixels.iter();
             let each = &mut |found| each(*pixels.next().expect("one a pixel"), found);
             for (places, pass) in hand.passes(round.pass) {
                 let pixels = &mut hand.pixels[places].iter().copied();
-                self.sample_one_by_one::<M>(pixels, pass, round.block, scratch, each);
+                self.one_by_one(pixels, pass, round.block, scratch, each);
             }
             return;
         }
         scratch.bundle.part = hand.part;
-        self.sample_together::<M>(hand, round, scratch, &mut |_, _| {});
+        self.together(hand, round, scratch, &mut |_, _| {});
         scratch.bundle.part = Part::Whole;
         for (&pixel, &radiance) in hand.pixels.iter().zip(&scratch.bundle.radiance) {
             each(pixel, radiance.into());
         }
     }
 
+    /// [`Tracer::sample_hand`] into a list, in the order of the hand's pixels.
+    pub fn samples_of(&self, hand: &Hand, pass: u64, scratch: &mut Scratch) -> Vec<Rgb> {
+        let mut found = Vec::with_capacity(hand.pixels.len());
+        self.sample_hand(hand, Round::of(pass), scratch, &mut |_, sample| found.push(sample));
+        found
+    }
+
     /// [`Tracer::sample_hand`] for someone who wants to know what is being done, not what comes of
     /// it. Nothing is done where the engine does not work.
-    pub fn watch_hand<M: Microfacet>(
-        &self,
-        hand: &Hand,
-        pass: u64,
-        scratch: &mut Scratch,
-        watch: Watch,
-    ) {
-        if self.method.is_the_engines(M::MODEL) {
-            self.sample_together::<M>(hand, Round::of(pass), scratch, watch);
+    pub fn watch_hand(&self, hand: &Hand, pass: u64, scratch: &mut Scratch, watch: Watch) {
+        if self.is_the_engines() {
+            self.together(hand, Round::of(pass), scratch, watch);
         }
     }
 
-    fn sample_together<M: Microfacet>(
+    pub(super) fn sample_together<M: Microfacet>(
         &self,
         hand: &Hand,
         round: Round,

@@ -179,8 +179,8 @@ fn own_pdf<M: Microfacet>(firsts: &Firsts, slot: usize, first: &Point, wi: V3) -
 }
 
 /// A bundle after a pass by the engine, with what its paths received by sharing.
-fn traced<M: Microfacet>(tracer: &Tracer, hand: &Hand, scratch: &mut Scratch) -> Vec<[f32; 3]> {
-    tracer.sample_hand::<M>(hand, Round::of(3), scratch, &mut |_, _| {});
+fn traced(tracer: &Tracer, hand: &Hand, scratch: &mut Scratch) -> Vec<[f32; 3]> {
+    tracer.sample_hand(hand, Round::of(3), scratch, &mut |_, _| {});
     scratch.bundle.radiance.clone()
 }
 
@@ -225,7 +225,7 @@ fn compare<M: Microfacet>(tracer: &Tracer, size: [u32; 2]) {
         let deal = Deal::new(size, 9, 3, group);
         let mut hand = Hand { part: Part::Shared, ..Hand::default() };
         deal.bundle([1, 1], &mut hand);
-        let found = traced::<M>(tracer, &hand, &mut scratch);
+        let found = traced(tracer, &hand, &mut scratch);
         let Bundle { firsts, seconds, .. } = &*scratch.bundle;
         let mut base = 0;
         for &end in &hand.ends {
