@@ -9,6 +9,7 @@ use crate::viewer::panels::notice::Notice;
 use crate::viewer::panels::view::View;
 use crate::viewer::picture::orbit;
 use burnish::progressive::Recipe;
+use burnish::scene::Axis;
 use egui::{Context, ViewportCommand};
 
 /// What one press of [ or ] does to alpha: four of them double it.
@@ -38,6 +39,7 @@ impl App {
             Action::CopyPicture => self.copy_picture(ctx),
             Action::HidePanel => self.alone = !self.alone,
             Action::Export => self.export(ctx),
+            Action::TurnUp => self.turn_up(ctx),
             _ => self.edit(ctx, action),
         }
     }
@@ -151,6 +153,23 @@ impl App {
         let name = format!("{}, {} passes", document.params.model.title(), snapshot.passes);
         self.notice = Some(Notice::news(format!("Tagged: {name}. Compare with it by C")));
         self.compare.take_tag(name, snapshot.clone());
+    }
+
+    /// Stands a model by itself on its next axis.
+    fn turn_up(&mut self, ctx: &Context) {
+        let Some(document) = &self.document else { return };
+        let Some(axis) = document.params.scene.source().up else {
+            self.notice =
+                Some(Notice::news("Only a model that was opened by itself can be turned"));
+            return;
+        };
+        let source = document.source.clone();
+        let at = Axis::ALL.iter().position(|&a| a == axis).unwrap_or(0);
+        let next = Axis::ALL[(at + 1) % Axis::ALL.len()];
+        self.source = source.clone();
+        self.up = Some(next);
+        self.load(ctx, source, false);
+        self.notice = Some(Notice::news(format!("Its axis {} points up", next.name())));
     }
 
     /// Puts the picture on the clipboard as it is shown.

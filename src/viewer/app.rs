@@ -31,9 +31,10 @@ use crate::viewer::settings::Settings;
 use crate::viewer::style::theme;
 use crate::viewer::style::widgets;
 use burnish::progressive::{Snapshot, State};
+use burnish::scene::Axis;
 use egui::{
-    Align2, Area, CentralPanel, Context, Frame, Id, Margin, Order, Panel, ScrollArea, Ui,
-    ViewportCommand, vec2,
+    Align2, Area, CentralPanel, Context, Frame, Id, Label, Margin, Order, Panel, RichText,
+    ScrollArea, Ui, ViewportCommand, vec2,
 };
 use std::path::PathBuf;
 
@@ -94,6 +95,8 @@ pub(super) struct App {
     /// Where snapshots go.
     pub(super) folder: PathBuf,
     pub(super) full_screen: bool,
+    /// The axis of a model by itself that is to point up, if it is not the guessed one.
+    pub(super) up: Option<Axis>,
     /// Whether the picture has the window for itself.
     pub(super) alone: bool,
     /// What the window's title says.
@@ -138,6 +141,7 @@ impl App {
             threads,
             folder,
             full_screen: false,
+            up: None,
             alone: false,
             title: String::new(),
             substituted: false,
@@ -285,6 +289,9 @@ impl App {
                 asked.extend(self.controls.ui(ui, document, &mut self.energy));
                 self.compare.ui(ui, document, &mut asked);
                 source = open::files(ui, &recent, &mut asked);
+                if let Some(caption) = document.params.scene.caption() {
+                    ui.add(Label::new(RichText::new(caption).small().weak()).wrap());
+                }
                 self.lobe.ui(ui, document, &mut asked);
                 self.pixel.ui(ui, document, &mut asked);
                 self.materials.ui(ui, document);
@@ -394,8 +401,11 @@ impl App {
             }
             return;
         }
+        if !again && source != self.source {
+            self.up = None;
+        }
         self.source = source.clone();
-        match Loading::start(ctx, source, again) {
+        match Loading::start(ctx, source, again, self.up) {
             Ok(loading) => self.loading = Some(loading),
             Err(why) => self.notice = Some(Notice::error(why)),
         }

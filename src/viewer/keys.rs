@@ -27,6 +27,7 @@ pub(super) enum Action {
     Tag,
     CopyPicture,
     HidePanel,
+    TurnUp,
     Zoom,
     FullScreen,
     Undo,
@@ -151,6 +152,14 @@ pub(super) const TABLE: &[Binding] = &[
         name: "Reload",
         does: "Read the scene again",
         tip: "Reads the scene's file again. A camera that was moved stays; edits of materials go.",
+    },
+    Binding {
+        action: Action::TurnUp,
+        keys: &[plain(Key::U)],
+        name: "Turn up",
+        does: "Another axis of a model points up",
+        tip: "Stands a model that was opened by itself on its next axis: x, y, z, -x, -y, -z. Scenes \
+              are Z up and stay.",
     },
     Binding {
         action: Action::Frame,

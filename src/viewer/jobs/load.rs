@@ -2,8 +2,8 @@
 
 use crate::viewer::jobs::watch::Stamp;
 use burnish::scene::builtin::{EXAMPLES, Example};
-use burnish::scene::read::{self, Disk, Files};
-use burnish::scene::{Report, Scene};
+use burnish::scene::read::{self, Disk, Files, ReadOptions};
+use burnish::scene::{Axis, Report, Scene};
 use egui::Context;
 use std::borrow::Cow;
 use std::cell::RefCell;
@@ -80,8 +80,14 @@ pub(crate) struct Loading {
 }
 
 impl Loading {
-    /// Starts to read a scene, or to read it `again`; repaints once the result is there.
-    pub(crate) fn start(ctx: &Context, source: Source, again: bool) -> Result<Loading, String> {
+    /// Starts to read a scene, or to read it `again`; repaints once the result is there. A model by
+    /// itself is stood on the axis opposite to `up`, or as it is guessed.
+    pub(crate) fn start(
+        ctx: &Context,
+        source: Source,
+        again: bool,
+        up: Option<Axis>,
+    ) -> Result<Loading, String> {
         let name = source.name();
         let (send, result) = channel();
         let ctx = ctx.clone();
@@ -90,7 +96,7 @@ impl Loading {
             .name("scene".to_owned())
             .spawn(move || {
                 // Nobody listens any more when another scene has been opened meanwhile.
-                let _ = send.send(build(wanted, again));
+                let _ = send.send(build(wanted, again, up));
                 drop(send);
                 ctx.request_repaint();
             })
@@ -115,14 +121,15 @@ impl Loading {
     }
 }
 
-fn build(source: Source, again: bool) -> Result<Loaded, Failed> {
+fn build(source: Source, again: bool, up: Option<Axis>) -> Result<Loaded, Failed> {
     let (read, files) = match &source {
         Source::Example(example) => (example.read(), Vec::new()),
         Source::File(path) => {
             // Before it is read: what is written meanwhile is a change.
             let own = Stamp::of(path);
             let files = Watched { disk: Disk::beside(path), stamps: RefCell::new(vec![own]) };
-            (read::open_with(path, &files), files.stamps.into_inner())
+            let options = ReadOptions { up, ..ReadOptions::default() };
+            (read::open_with_options(path, &files, options), files.stamps.into_inner())
         }
     };
     match read {

@@ -118,6 +118,11 @@ pub(crate) const EMISSION: Control = control(
     "Radiance that leaves every point in every direction, linear Rec. 709, 0 to 1e18 \
      W/(m\u{b2} sr).",
 );
+pub(crate) const PRESET: Control = control(
+    "Preset",
+    "Puts measured reflectances, and a roughness that suits them, in the place of the material's. Each \
+     entry says its source.",
+);
 pub(crate) const EXPONENT: Control = control(
     "Exponent",
     "Phong exponent a_p of this material, no unit, 0 (dull) to 2e8 - 2 (mirror-like); \
@@ -308,7 +313,7 @@ pub(crate) fn table() -> Vec<(&'static str, Vec<(String, String)>)> {
     )];
     materials
         .extend([KD, KS, EMISSION].map(|c| (c.name.to_owned(), format!("{} {channels}", c.tip))));
-    materials.push(line(&EXPONENT));
+    materials.extend(lines(&[PRESET, EXPONENT]));
 
     let mut view = lines(&[EXPOSURE, CURVE]);
     view.extend(Curve::ALL.map(|c| choice(&CURVE, c.title(), view::describe(c))));

@@ -7,7 +7,8 @@ use crate::viewer::style::theme;
 use crate::viewer::style::widgets;
 use burnish::brdf::Roughness;
 use burnish::scene::Material;
-use egui::Ui;
+use burnish::scene::presets::{PRESETS, Preset};
+use egui::{ComboBox, Ui};
 
 /// Draws the fields of the picked material; an edit changes the document.
 pub(crate) fn fields(ui: &mut Ui, document: &mut Document) {
@@ -21,6 +22,7 @@ pub(crate) fn fields(ui: &mut Ui, document: &mut Document) {
     if shines {
         colour(ui, &labels::EMISSION, Material::MAX_EMISSION, &mut edited.emission);
     }
+    presets(ui, &mut edited);
     // A scene file has no words for a surface that does both.
     if !shines || reflects {
         colour(ui, &labels::KD, 1.0, &mut edited.kd);
@@ -32,6 +34,34 @@ pub(crate) fn fields(ui: &mut Ui, document: &mut Document) {
     }
 }
 
+/// A menu of measured reflectances.
+fn presets(ui: &mut Ui, material: &mut Material) {
+    if material.emits() {
+        return;
+    }
+    widgets::field(ui, &labels::PRESET, |ui, label| {
+        let is = |p: &&Preset| {
+            let f32s = |c: [f64; 3]| c.map(|x| x as f32);
+            (f32s(p.kd), f32s(p.ks)) == (material.kd, material.ks)
+        };
+        let title = PRESETS.iter().find(is).map_or("Custom", |p| p.title);
+        let menu = ComboBox::from_id_salt("preset")
+            .width(ui.available_width())
+            .selected_text(title)
+            .show_ui(ui, |ui| {
+                theme::quiet_choice(ui);
+                for preset in &PRESETS {
+                    let entry = ui.selectable_label(preset.title == title, preset.title);
+                    widgets::beside(&entry, preset.source);
+                    if let (true, Ok(made)) = (entry.clicked(), preset.material()) {
+                        *material = Material { name: material.name.clone(), ..made };
+                    }
+                }
+            });
+        menu.response.labelled_by(label).on_hover_text(labels::PRESET.tip);
+    });
+}
+
 /// A swatch and three numbers.
 fn colour(ui: &mut Ui, control: &Control, most: f64, value: &mut [f32; 3]) {
     let Control { name, tip } = control;
@@ -40,7 +70,15 @@ fn colour(ui: &mut Ui, control: &Control, most: f64, value: &mut [f32; 3]) {
         let height = ui.spacing().interact_size.y;
         // A radiance by its colour alone.
         let brightest = if most == 1.0 { 1.0 } else { value.iter().fold(1e-30, |a, &b| b.max(a)) };
-        widgets::swatch(ui, value.map(|c| c / brightest)).on_hover_text(*tip);
+        if most == 1.0 {
+            ui.spacing_mut().interact_size = egui::vec2(18.0, 18.0);
+            ui.color_edit_button_rgb(value)
+                .accessible_name(format!("{name} colour"))
+                .on_hover_text(*tip);
+            ui.spacing_mut().interact_size.y = height;
+        } else {
+            widgets::swatch(ui, value.map(|c| c / brightest)).on_hover_text(*tip);
+        }
         let size = egui::vec2((ui.available_width() - 8.0) / 3.0, height);
         for (channel, value) in labels::CHANNELS.into_iter().zip(value) {
             let mut wide = f64::from(*value);

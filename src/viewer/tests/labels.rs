@@ -72,7 +72,7 @@ fn known(desk: &Desk) -> HashSet<String> {
     for colour in [labels::KD, labels::KS, labels::EMISSION] {
         known.extend(labels::CHANNELS.map(|c| format!("{} {c}", colour.name)));
     }
-    known.extend(["Checks", "Picture"].map(str::to_owned));
+    known.extend(["Checks", "Picture", "Kd colour", "Ks colour"].map(str::to_owned));
     known.extend(desk.doc().params.materials.iter().map(|m| m.name.clone()));
     known
 }

@@ -147,3 +147,20 @@ fn a_very_long_list_is_drawn_where_it_is_seen() {
     assert_eq!(desk.doc().picked, Some(702));
     assert!(rows.into_iter().any(|r| r.min == before.min));
 }
+
+#[test]
+fn a_preset_has_measured_reflectances_and_its_roughness() {
+    let mut desk = Desk::done(1);
+    desk.document(|d| d.pick(Some(0)));
+    desk.harness.run_ok();
+    let name = desk.doc().params.materials[0].name.clone();
+    desk.click_role(Role::ComboBox, "Preset");
+    desk.harness.run_ok();
+    desk.click_role(Role::Button, "Gold");
+    desk.harness.run_ok();
+    let gold = burnish::scene::presets::Preset::named("gold").unwrap().material().unwrap();
+    let made = &desk.doc().params.materials[0];
+    assert_eq!((made.kd, made.ks, made.roughness), (gold.kd, gold.ks, gold.roughness));
+    assert_eq!(made.name, name, "it stays the same material");
+    assert_eq!(desk.app().render.as_ref().unwrap().told().materials[0].ks, gold.ks);
+}

@@ -221,3 +221,35 @@ fn a_scene_that_cannot_be_saved_says_why() {
         desk.notice()
     );
 }
+
+#[test]
+fn a_model_by_itself_is_stood_on_another_axis_and_a_scene_is_not() {
+    use burnish::scene::Axis;
+    let mut desk = Desk::done(1);
+    desk.key(Key::U);
+    assert!(desk.notice().contains("Only a model"), "{}", desk.notice());
+    let path = desk.folder.path().join("tetrahedron.obj");
+    std::fs::write(
+        &path,
+        "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n",
+    )
+    .unwrap();
+    let ctx = desk.harness.ctx.clone();
+    let app = desk.harness.state_mut().as_mut().unwrap();
+    app.load(&ctx, Source::File(path), false);
+    let up = |app: &App| app.document.as_ref().and_then(|d| d.params.scene.source().up);
+    desk.until("the model", |app| up(app).is_some());
+    let mut axis = up(desk.app()).unwrap();
+    for _ in 0..2 {
+        let at = Axis::ALL.iter().position(|&a| a == axis).unwrap();
+        let next = Axis::ALL[(at + 1) % 6];
+        desk.key(Key::U);
+        desk.until("the model on another axis", |app| up(app) == Some(next));
+        axis = next;
+    }
+    // It stays so when its file is read again.
+    let number = desk.doc().number;
+    desk.key(Key::F5);
+    desk.until("the file again", |app| app.document.as_ref().unwrap().number > number);
+    assert_eq!(up(desk.app()), Some(axis));
+}
