@@ -1,6 +1,6 @@
 //! One pixel taken apart: its parts add up, and they are those of the picture.
 
-use burnish::brdf::{Erratum, Microfacet, Model, ModelVisitor};
+use burnish::brdf::{Erratum, Model};
 use burnish::film::{Figure, student};
 use burnish::progressive::{Params, PixelReport, Strategy, Technique, probe, render};
 use burnish::scene::{Camera, Material, Scene, SceneBuilder};
@@ -29,13 +29,8 @@ fn params(model: Model) -> Params {
     Params { model, ..Params::new(room()) }
 }
 
-struct Plain<'a>(&'a Tracer, [u32; 2], u64, &'a mut Scratch);
-
-impl ModelVisitor for Plain<'_> {
-    type Output = [f32; 3];
-    fn visit<M: Microfacet>(self) -> [f32; 3] {
-        self.0.sample::<M>(self.1[0], self.1[1], self.2, self.3).into()
-    }
+fn plain(tracer: &Tracer, [x, y]: [u32; 2], pass: u64, scratch: &mut Scratch) -> [f32; 3] {
+    tracer.sample(x, y, pass, scratch).into()
 }
 
 fn sum(path: &PathRecord) -> [f64; 3] {
@@ -60,7 +55,7 @@ fn a_record_has_the_sample_s_bits_and_its_parts_add_up_to_it() {
             for (i, pass) in (0..w * h).zip([0, 7, 1 << 18].into_iter().cycle()) {
                 let pixel = [i % w, i / w];
                 let path = tracer.record(model, pixel, pass, &mut scratch);
-                let plain = model.visit(Plain(&tracer, pixel, pass, &mut scratch));
+                let plain = plain(&tracer, pixel, pass, &mut scratch);
                 assert_eq!(<[f32; 3]>::from(path.value), plain, "{model:?} {strategy:?} {pixel:?}");
                 // Each of the sums loses half a unit in the last place of the largest.
                 let terms = 2.0 * path.vertices.len() as f64 + 1.0;
@@ -87,7 +82,7 @@ fn a_mistake_made_on_purpose_is_recorded_too() {
         for i in 0..200 {
             let pixel = [i % 32, i / 32 * 4];
             let path = tracer.record(Model::Ggx, pixel, 3, &mut scratch);
-            let plain = Model::Ggx.visit(Plain(&tracer, pixel, 3, &mut scratch));
+            let plain = plain(&tracer, pixel, 3, &mut scratch);
             assert_eq!(<[f32; 3]>::from(path.value), plain, "{erratum:?} {pixel:?}");
         }
     }
