@@ -276,7 +276,8 @@ mod tests {
     fn curves_end_at_the_low_end_of_the_scale() {
         let values = [0.0, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 0.2];
         assert_eq!(runs(&values, 0.1), [1..5, 6..8]);
-        assert_eq!(runs(&[0.3, 0.0, 0.3], 0.1), [0..3]);
+        let all = 0..3;
+        assert_eq!(runs(&[0.3, 0.0, 0.3], 0.1), [all]);
         assert!(runs(&[0.0; 4], 0.1).is_empty());
     }
 

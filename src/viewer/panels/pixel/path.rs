@@ -2,7 +2,6 @@
 
 use crate::viewer::style::labels;
 use crate::viewer::style::numbers::digits;
-use crate::viewer::style::theme;
 use burnish::progressive::{Params, PixelReport};
 use burnish::scene::Material;
 use burnish::trace::{PathRecord, PathVertex};
@@ -10,6 +9,8 @@ use egui::{Align, Align2, Color32, Label, Layout, Pos2, Rect, RichText, Stroke, 
 use egui::{pos2, vec2};
 use glam::DVec3;
 
+/// Lines over the picture, within black ones: light enough for dark pictures in either theme.
+const LINE: Color32 = Color32::from_rgb(0xff, 0xb8, 0x60);
 /// So many vertices are listed; roulette ends most paths before.
 const MOST: usize = 24;
 /// Widths of the columns of figures, in points.
@@ -98,7 +99,6 @@ pub(super) fn overlay(
     let painter = ui.painter_at(space);
     let scale = place.size() / vec2(params.size[0] as f32, params.size[1] as f32);
     let on_screen = |[x, y]: [f64; 2]| place.min + vec2(x as f32 * scale.x, y as f32 * scale.y);
-    let accent = theme::accent_of(ui.visuals());
     let line = |a: DVec3, b: DVec3, width: f32| {
         let Some(ends) = params.camera.project(a, b, params.size) else { return };
         let ends = ends.map(on_screen);
@@ -107,7 +107,7 @@ pub(super) fn overlay(
             return;
         }
         painter.line_segment(ends, Stroke::new(width + 2.0, Color32::from_black_alpha(0xa0)));
-        painter.line_segment(ends, Stroke::new(width, accent));
+        painter.line_segment(ends, Stroke::new(width, LINE));
     };
     if let Some(path) = path {
         let [low, high] = params.scene.bounds();
@@ -145,7 +145,7 @@ fn number(ui: &Ui, painter: &egui::Painter, at: Pos2, number: usize) {
         return;
     }
     let centre = pos2(at.x + 10.0, at.y - 10.0);
-    painter.circle_filled(at, 3.0, theme::accent_of(ui.visuals()));
+    painter.circle_filled(at, 3.0, LINE);
     painter.circle_filled(centre, 8.0, Color32::from_black_alpha(0xc0));
     let font = TextStyle::Small.resolve(ui.style());
     painter.text(centre, Align2::CENTER_CENTER, number.to_string(), font, Color32::WHITE);
