@@ -1,4 +1,4 @@
-//! Sums of samples, in f64 and apart for each replicate, so that a picture knows its error.
+//! Sums of samples, exact and apart for each replicate, so that a picture knows its error.
 //!
 //! Samples of one low-discrepancy sequence are not independent: their spread overstates the error
 //! of their mean. The passes are therefore dealt in turn to a few independently randomised
@@ -12,21 +12,25 @@
 
 mod error;
 mod interval;
+mod state;
+mod sums;
 
 pub use error::{DEGREES_OF_FREEDOM, ErrorEstimate, ErrorSums, Estimate, Figure, REL_MSE_FLOOR};
 pub use interval::{CONFIDENCE, Interval, normal_score, ratio, student, tail};
+pub use state::{FilmError, FilmState};
 
 use crate::math::Rgb;
 use crate::math::sequence::REPLICATES;
+use sums::Sums;
 
 /// Side in pixels of the cells of a film, each of which has numbers of samples of its own.
 pub const CELL: usize = 16;
 
 /// The sums of a rectangle of pixels.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Film {
     width: usize,
-    sums: Vec<[[f64; 3]; REPLICATES]>,
+    sums: Sums,
     /// Samples that each pixel of a cell has, by replicate; cells row by row.
     counts: Vec<[u64; REPLICATES]>,
     /// Whether numbers of samples were chosen: then replicates count alike, even where they happen to
@@ -34,11 +38,30 @@ pub struct Film {
     uneven: bool,
     /// What [`Film::note_spread`] has noted, by cell and half of the replicates.
     spreads: Vec<[Vec<f32>; 2]>,
+    /// What [`Film::begin_plan`] has noted.
+    plan: Option<Planned>,
     passes: u64,
     /// Whether there are samples of a pass that is not whole.
     open: bool,
-    /// Width and pixels to have when the next pass begins; `None` while the sums are good.
-    retired: Option<[usize; 2]>,
+    /// What to be when the next pass begins; `None` while the sums are good.
+    retired: Option<Retired>,
+}
+
+/// The samples that there were when numbers were last chosen.
+#[derive(Clone, Debug, PartialEq)]
+struct Planned {
+    /// After so many passes.
+    from: u64,
+    /// Of the first of each half of the replicates, by cell.
+    before: Vec<[u64; 2]>,
+}
+
+/// Width, pixels and quantum of the film that is to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Retired {
+    width: usize,
+    pixels: usize,
+    quantum: i32,
 }
 
 impl Film {
@@ -52,11 +75,22 @@ impl Film {
         !self.open
     }
 
-    /// Makes it an empty film of this many pixels in rows of `width`, keeping its memory.
+    /// The quantum of the sums of samples of which the brightest emission is this, in W/(m² sr), as an
+    /// exponent of two: every sample is rounded to a multiple of it, so that sums do not depend
+    /// on the order of what is added. It is 2^-48 of that emission or, with none, of 1.
+    pub fn quantum(brightest: f32) -> i32 {
+        sums::quantum_for(brightest)
+    }
+
+    /// Makes it an empty film of this many pixels in rows of `width`, for samples of which the
+    /// brightest emission is 1, keeping its memory.
     pub fn clear(&mut self, width: usize, pixels: usize) {
+        self.begin(Retired { width, pixels, quantum: -sums::BITS });
+    }
+
+    fn begin(&mut self, Retired { width, pixels, quantum }: Retired) {
         self.width = width.max(1);
-        self.sums.clear();
-        self.sums.resize(pixels, [[0.0; 3]; REPLICATES]);
+        self.sums.clear(pixels, quantum);
         self.counts.clear();
         let rows = pixels.div_ceil(self.width);
         let cells = self.width.div_ceil(CELL) * rows.div_ceil(CELL);
@@ -64,25 +98,32 @@ impl Film {
         self.uneven = false;
         self.spreads.clear();
         self.spreads.resize(cells, Default::default());
+        self.plan = None;
         self.passes = 0;
         self.open = false;
     }
 
-    /// Has the next pass begin an empty film of this many pixels in rows of `width`. Costs nothing
+    /// Has the next pass begin an empty film of this many pixels in rows of `width`, its sums in
+    /// multiples of 2^`quantum`. Costs nothing
     /// now: a large picture's sums are cleared tile by tile, by the workers that come to them.
-    pub fn retire(&mut self, width: usize, pixels: usize) {
-        self.retired = Some([width, pixels]);
+    pub fn retire(&mut self, width: usize, pixels: usize, quantum: i32) {
+        self.retired = Some(Retired { width, pixels, quantum });
         self.passes = 0;
         self.open = false;
     }
 
     /// Makes the film ready for a pass and returns the pass's number, from 0.
     pub fn begin_pass(&mut self) -> u64 {
-        if let Some([width, pixels]) = self.retired.take() {
-            self.clear(width, pixels);
-        }
+        self.settle();
         self.open = true;
         self.passes
+    }
+
+    /// Clears it now, if that is still to be done.
+    pub fn settle(&mut self) {
+        if let Some(retired) = self.retired.take() {
+            self.begin(retired);
+        }
     }
 
     /// Adds the sample of the present pass to a pixel. Every pixel gets one; [`Film::end_pass`]
@@ -104,10 +145,7 @@ impl Film {
     /// [`Film::count_samples`] then counts.
     #[inline]
     pub fn add_to(&mut self, pixel: usize, replicate: usize, sample: Rgb) {
-        let sum = &mut self.sums[pixel][replicate];
-        sum[0] += sample.r as f64;
-        sum[1] += sample.g as f64;
-        sum[2] += sample.b as f64;
+        self.sums.add(pixel, replicate, sample.into());
     }
 
     /// Counts a sample of this replicate for all pixels of a cell. From the first one on the film's
@@ -141,7 +179,7 @@ impl Film {
     /// Bytes of memory that it holds.
     pub fn bytes(&self) -> usize {
         let notes: usize = self.spreads.iter().flatten().map(|notes| 4 * notes.capacity()).sum();
-        self.sums.capacity() * size_of::<[[f64; 3]; REPLICATES]>()
+        self.sums.bytes()
             + self.counts.capacity() * size_of::<[u64; REPLICATES]>()
             + self.spreads.capacity() * size_of::<[Vec<f32>; 2]>()
             + notes
@@ -162,9 +200,9 @@ impl Film {
         let mean = |sums: &[[f64; 3]; REPLICATES], r: usize, c: usize| {
             sums[r][c] / counts[r].max(1) as f64
         };
-        let pixels: Vec<&[[f64; 3]; REPLICATES]> = (0..)
-            .zip(&self.sums)
-            .filter_map(|(pixel, sums)| (self.cell_of(pixel) == cell).then_some(sums))
+        let pixels: Vec<[[f64; 3]; REPLICATES]> = (0..self.sums.len())
+            .filter(|&pixel| self.cell_of(pixel) == cell)
+            .map(|pixel| self.sums.radiance(pixel))
             .collect();
         let mut light = [0.0; 3];
         for sums in &pixels {
@@ -196,6 +234,23 @@ impl Film {
         &self.spreads[cell]
     }
 
+    /// Notes, when numbers of samples are chosen after so many passes, how many there are.
+    pub fn begin_plan(&mut self, passes: u64) {
+        let before = self.counts.iter().map(|counts| [counts[0], counts[2]]).collect();
+        self.plan = Some(Planned { from: passes, before });
+    }
+
+    /// After how many passes numbers of samples were last chosen.
+    pub fn planned_at(&self) -> Option<u64> {
+        self.plan.as_ref().map(|plan| plan.from)
+    }
+
+    /// The samples that each pixel of a cell then had of one of the first two and of one of the last two
+    /// replicates; none before numbers are chosen.
+    pub fn planned(&self, cell: usize) -> [u64; 2] {
+        self.plan.as_ref().map_or([0; 2], |plan| plan.before[cell])
+    }
+
     /// What all samples so far say: mean and variance of the mean of every pixel and channel.
     ///
     /// While all samples are of passes dealt to the replicates in turn, n_r in replicate r, N in all, and replicate means m_r: the mean is `sum n_r m_r / N` and its variance is
@@ -210,11 +265,12 @@ impl Film {
         let mut means = Vec::with_capacity(self.sums.len());
         let mut variances = Vec::with_capacity(self.sums.len());
         let known = self.passes >= REPLICATES as u64;
-        for (y, row) in self.sums.chunks(self.width.max(1)).enumerate() {
-            let shares = &shares[y / CELL * across..][..across];
-            for (sums, Shares { per_sum, part, in_turn }) in
-                row.chunks(CELL).zip(shares).flat_map(|(some, s)| some.iter().map(move |p| (p, s)))
-            {
+        let width = self.width.max(1);
+        for start in (0..self.sums.len()).step_by(width) {
+            let shares = &shares[start / width / CELL * across..][..across];
+            for pixel in start..(start + width).min(self.sums.len()) {
+                let sums = self.sums.radiance(pixel);
+                let Shares { per_sum, part, in_turn } = &shares[(pixel - start) / CELL];
                 let mean: [f64; 3] = std::array::from_fn(|c| match in_turn {
                     true => (0..REPLICATES).map(|r| sums[r][c]).sum::<f64>() * per_sum[0],
                     false => (0..REPLICATES).map(|r| sums[r][c] * per_sum[r]).sum(),

@@ -25,10 +25,11 @@ impl Accumulator {
     pub(super) fn new(epoch: Epoch, mut films: Vec<Film>) -> Accumulator {
         films.resize_with(epoch.grid.len(), Film::default);
         films.truncate(epoch.grid.len());
+        let quantum = epoch.params.quantum();
         for (index, film) in films.iter_mut().enumerate() {
             let rect = epoch.grid.rect(index);
             // Cleared by the workers, tile by tile, when they come to it.
-            film.retire(rect.width(), rect.area());
+            film.retire(rect.width(), rect.area(), quantum);
         }
         Accumulator { epoch, films }
     }

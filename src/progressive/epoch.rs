@@ -122,20 +122,22 @@ impl Epoch {
     }
 
     /// The plan for the passes that come next, made if it is not there: all films then have the passes
-    /// at which it begins.
+    /// at which it begins, or have noted what they had there.
     pub(super) fn plan(&self, films: &mut [Film]) -> Arc<Plan> {
         let done = films.iter().map(Film::passes).min().unwrap_or(0);
         let mut plan = self.plan.lock().unwrap_or_else(PoisonError::into_inner);
         match &*plan {
             Some(plan) if plan.passes().contains(&done) => plan.clone(),
             _ => {
-                if done == plan::UNIFORM {
-                    for film in films.iter_mut() {
+                let start = plan::start_of_plan(done);
+                for film in films.iter_mut().filter(|film| film.planned_at() != Some(start)) {
+                    if start == plan::UNIFORM {
                         (0..film.cells())
                             .for_each(|cell| (0..2).for_each(|h| film.note_spread(cell, h)));
                     }
+                    film.begin_plan(start);
                 }
-                let made = Arc::new(Plan::new(self.grid, films, done));
+                let made = Arc::new(Plan::new(self.grid, films, start));
                 *plan = Some(made.clone());
                 made
             }
@@ -299,6 +301,13 @@ impl Epoch {
         (0..self.shown.len()).map(|index| self.shown(index).passes()).min().unwrap_or(0)
     }
 
+    /// Counts so far.
+    pub(super) fn counts(&self) -> Counts {
+        let [paths, rays, nonfinite, capped] =
+            [0, 1, 2, 3].map(|i: usize| self.counts[i].load(Ordering::Relaxed));
+        Counts { paths, rays, nonfinite, capped }
+    }
+
     pub(super) fn snapshot(&self, state: State, passes: u64) -> Snapshot {
         let mut dirty = Vec::new();
         let mut tiles = Vec::with_capacity(self.shown.len());
@@ -313,8 +322,6 @@ impl Epoch {
             }
             tiles.push(shown.image.as_ref().map(|(image, _)| image.clone()));
         }
-        let [paths, rays, nonfinite, capped] =
-            [0, 1, 2, 3].map(|i: usize| self.counts[i].load(Ordering::Relaxed));
         let pixels = self.params.size.map(u64::from).iter().product();
         let is_level =
             |tile: &Option<Arc<TileImage>>| tile.as_ref().is_some_and(|t| t.passes == passes);
@@ -326,7 +333,7 @@ impl Epoch {
             dirty,
             passes,
             whole,
-            counts: Counts { paths, rays, nonfinite, capped },
+            counts: self.counts(),
             error: sums.estimate(pixels, passes),
             group: self.group.get().copied().unwrap_or_default(),
             seconds: self.seconds(),

@@ -103,8 +103,14 @@ pub(super) fn group_of(
     hand.group_of(pixel)
 }
 
+/// The number of passes at which the plan for this one begins; 0 while there is none.
+pub(super) fn start_of_plan(pass: u64) -> u64 {
+    if pass < UNIFORM { 0 } else { end_of_plan(pass) / GROWTH }
+}
+
 impl Plan {
-    /// From films that all have this many passes, at which a plan begins.
+    /// The plan that begins after this many passes, for films that have noted the numbers of samples
+    /// that they then had.
     pub(super) fn new(grid: TileGrid, films: &[Film], pass: u64) -> Plan {
         let end = end_of_plan(pass);
         // The first two plans are made by the same samples: there are no others yet of all cells.
@@ -120,7 +126,7 @@ impl Plan {
                 let [xs, ys] = cell_rect(grid, tile, cell);
                 let place = ys.start as usize / CELL * across + xs.start as usize / CELL;
                 let area = (xs.len() * ys.len()) as f64;
-                places.push((place, area, film.counts(cell)));
+                places.push((place, area, film.planned(cell)));
                 spreads[place] = [0, 1].map(|half: usize| {
                     film.spreads(cell)[half].get(level).map_or(0.0, |&x| f64::from(x))
                 });
@@ -142,13 +148,11 @@ impl Plan {
             };
             let wanted: Vec<(f64, f64, f64)> = places
                 .iter()
-                .map(|(place, area, counts)| {
-                    (deviation(*place), *area, (4 * counts[2 * half]) as f64)
-                })
+                .map(|(place, area, before)| (deviation(*place), *area, (4 * before[half]) as f64))
                 .collect();
             for (i, rate) in rates(&wanted, pass as f64, end as f64).into_iter().enumerate() {
                 let start = ((2 * i + half) as f64 * 0.618_033_988_749_895).fract();
-                let before = places[i].2[2 * half];
+                let before = places[i].2[half];
                 cells[i][half] = Rate { before, rate, start };
             }
         }
@@ -158,6 +162,18 @@ impl Plan {
     /// The passes that it is for.
     pub(super) fn passes(&self) -> Range<u64> {
         self.passes.clone()
+    }
+
+    /// Samples that each replicate of either half has in a cell of a tile after so many passes.
+    pub(super) fn done(&self, tile: usize, cell: usize, passes: u64) -> [u64; 2] {
+        let first = passes - (passes - self.passes.start) % 4;
+        let pairs = |pass: u64| self.pairs(tile, cell, pass).1;
+        match passes - first {
+            0 => [pairs(first).start, pairs(first + 2).start],
+            1 => [pairs(first).end, pairs(first + 2).start],
+            2 => [pairs(first + 1).end, pairs(first + 2).start],
+            _ => [pairs(first + 1).end, pairs(first + 2).end],
+        }
     }
 
     /// The half of the replicates that gets samples in a pass, and the numbers of the pairs that a
@@ -216,6 +232,7 @@ mod tests {
             [0, 15, 16, 63, 64, 255, 256].map(end_of_plan),
             [16, 16, 64, 64, 256, 256, 1024]
         );
+        assert_eq!([0, 15, 16, 63, 64, 255, 256].map(start_of_plan), [0, 0, 16, 16, 64, 64, 256]);
         let noted: Vec<u64> = (0..2000).filter(|&n| is_noted(n)).collect();
         assert_eq!(noted, [4, 16, 64, 256, 1024]);
         // With the fewest samples that a cell may get it has those by which the next plan is made.
@@ -284,6 +301,7 @@ mod tests {
             for cell in 0..film.cells() {
                 (0..2).for_each(|half| film.note_spread(cell, half));
             }
+            film.begin_plan(UNIFORM);
         }
         let plan = Plan::new(grid, &films, UNIFORM);
         assert_eq!(plan.passes(), 16..64);
@@ -342,6 +360,7 @@ mod tests {
             for cell in 0..2 {
                 (0..2).for_each(|half| films[0].note_spread(cell, half));
             }
+            films[0].begin_plan(UNIFORM);
             let plan = Plan::new(grid, &films, UNIFORM);
             for pass in 16..64 {
                 for (cell, sum) in sums.iter_mut().enumerate() {
