@@ -35,7 +35,7 @@ const ONE_PLACE: [(&str, &[&str]); 28] = [
     ("earcut::", &["src/scene/read/polygon.rs"]),
     ("png::", &["src/picture/files.rs"]),
     ("image::", &["src/picture/files.rs"]),
-    ("exr::", &["src/picture/files.rs", "src/picture/exr_file.rs"]),
+    ("exr::", &["src/picture/files.rs", "src/picture/exr_"]),
     ("sha2::", &["src/scene/read/files.rs"]),
     ("memmap2", &["src/geometry/pages.rs"]),
     ("bytemuck", &["src/geometry/"]),

@@ -237,8 +237,10 @@ fn channels_of_a_header(mut file: File) -> String {
 /// What is to be told of the picture that was chosen.
 fn remarks(headers: &[Header], choice: &Choice, count: usize) -> Vec<String> {
     let mut remarks = Vec::new();
+    // Nor are tables of whole numbers.
+    let is_table = |h: &Header| h.channels.list.iter().all(|c| c.sample_type == SampleType::U32);
     let of_samples = |h: &Header| part_name(h).as_deref() == Some(SAMPLES_PART);
-    if count > 1 || headers.iter().filter(|h| !of_samples(h)).count() > 1 {
+    if count > 1 || headers.iter().filter(|h| !of_samples(h) && !is_table(h)).count() > 1 {
         let name = shown(&choice.name());
         let name = if name.is_empty() {
             "the one without a layer".to_owned()

@@ -77,8 +77,13 @@ const SOFTWARE: &str = concat!("burnish ", env!("CARGO_PKG_VERSION"));
 const RECIPE: &str = "burnish";
 /// Names of the parts of an OpenEXR file that has more than the picture: this, and how many samples
 /// each pixel is made of.
-const COLOUR_PART: &str = "rgb";
+pub(super) const COLOUR_PART: &str = "rgb";
 pub(super) const SAMPLES_PART: &str = "samples";
+
+/// The program, as it stands in files.
+pub(super) fn software() -> Text {
+    text(SOFTWARE)
+}
 
 /// Writes a picture, the format chosen by the file's name. The file is there as a whole or, after
 /// an error, as it was before.
@@ -197,13 +202,13 @@ fn part(
 }
 
 fn describe(attributes: &mut LayerAttributes, recipe: Option<&str>) {
-    attributes.software_name = Some(text(SOFTWARE));
+    attributes.software_name = Some(software());
     if let Some(recipe) = recipe {
         attributes.other.insert(text(RECIPE), AttributeValue::Text(text(recipe)));
     }
 }
 
-fn exr_error(error: exr::error::Error) -> io::Error {
+pub(super) fn exr_error(error: exr::error::Error) -> io::Error {
     match error {
         exr::error::Error::Io(e) => e,
         other => io::Error::other(other.to_string()),
@@ -211,7 +216,7 @@ fn exr_error(error: exr::error::Error) -> io::Error {
 }
 
 /// UTF-8, as OpenEXR has it; the crate's own conversion takes Latin-1 alone.
-fn text(utf8: &str) -> Text {
+pub(super) fn text(utf8: &str) -> Text {
     Text::from_slice_unchecked(utf8.as_bytes())
 }
 
@@ -328,6 +333,13 @@ pub fn read_exr(path: &Path) -> Result<Picture, ReadError> {
 /// Rec. 709 are converted, with Bradford's adaptation of the white. At most 32768 pixels a side are
 /// read, and no more than the file's length explains: a small file can claim to hold a huge picture.
 pub fn read_exr_part(path: &Path, part: Option<&str>) -> Result<ReadPicture, ReadError> {
+    let (file, length) = open_exr(path)?;
+    let content = |reason| ReadError::Content { path: path.to_path_buf(), reason };
+    exr_file::read(file, length, part).map_err(content)
+}
+
+/// A file that begins as OpenEXR files do, or as nothing that is known, and its length.
+pub(super) fn open_exr(path: &Path) -> Result<(BufReader<File>, u64), ReadError> {
     let file = open(path)?;
     let length = file.metadata().map_or(0, |about| about.len());
     let content = |reason| ReadError::Content { path: path.to_path_buf(), reason };
@@ -338,5 +350,5 @@ pub fn read_exr_part(path: &Path, part: Option<&str>) -> Result<ReadPicture, Rea
         let ending = kind.extensions_str().first().unwrap_or(&"other").to_ascii_uppercase();
         return Err(content(format!("this is a {ending} file, whatever its name")));
     }
-    exr_file::read(file, length, part).map_err(content)
+    Ok((file, length))
 }

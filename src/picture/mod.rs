@@ -3,6 +3,7 @@
 mod atomic;
 mod dither;
 mod exr_file;
+mod exr_tables;
 mod files;
 mod neutral;
 mod primaries;
@@ -10,6 +11,7 @@ mod tone;
 
 pub use atomic::{SaveError, Sink, check_writable, replace_file};
 pub use exr_file::ReadPicture;
+pub use exr_tables::{Fill, ReadTable, ReadTables, Table, read_tables, write_with_tables};
 pub use files::{
     Format, ReadError, contents, read_exr, read_exr_part, read_recipe, read_recipe_of,
 };

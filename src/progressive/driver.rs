@@ -8,12 +8,40 @@ use super::epoch::{Epoch, failure};
 use super::session::Progress;
 use super::turn::Turn;
 use super::work::{Store, Work, Workers};
-use super::{Params, State};
+use super::{Counts, Experiment, Params, State};
 use crate::film::Film;
+use crate::trace::Group;
+use std::mem::take;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// What the first picture begins with.
+pub(super) struct Start {
+    films: Vec<Film>,
+    group: Option<Group>,
+    counts: Counts,
+}
+
+impl Start {
+    pub(super) fn of(experiment: Experiment) -> Start {
+        let (group, counts) = (experiment.group(), experiment.counts());
+        Start { films: experiment.into_films(), group, counts }
+    }
+
+    /// Begins an epoch with it, and shows it.
+    pub(super) fn begin(self, epoch: Epoch, workers: &Workers) -> Accumulator {
+        let Start { films, group, counts } = self;
+        // Where the parameters leave no choice it is made already.
+        let _ = group.map(|group| epoch.group.set(group));
+        epoch.count(counts);
+        workers.show_all(&epoch, &films);
+        Accumulator { epoch, films }
+    }
+}
 
 pub(super) struct Driver {
     workers: Workers,
+    /// Until the first picture is begun.
+    begin: Option<Start>,
     store: Store,
     shown: Option<Accumulator>,
     beside: Option<Accumulator>,
@@ -29,9 +57,10 @@ pub(super) struct Driver {
 }
 
 impl Driver {
-    pub(super) fn new(workers: Workers) -> Driver {
+    pub(super) fn new(workers: Workers, begin: Option<Start>) -> Driver {
         Driver {
             workers,
+            begin,
             store: Store::default(),
             shown: None,
             beside: None,
@@ -50,6 +79,7 @@ impl Driver {
             self.workers.shared.tell_kept(self.cache.size());
             match self.next() {
                 Work::Stop => return,
+                Work::Keep => self.keep(),
                 Work::Start(turn, params, discard) => self.start(turn, *params, discard),
                 Work::StartBeside(turn, params) => self.start_beside(turn, params.map(|p| *p)),
                 Work::Shown(turn, until) => {
@@ -132,6 +162,23 @@ impl Driver {
         }
     }
 
+    /// Does what was wished with the experiment of the picture that is shown.
+    fn keep(&mut self) {
+        let wishes = self.workers.shared.wishes();
+        let failed = self.at.failed;
+        let Some(Accumulator { epoch, films }) = self.shown.as_mut().filter(|_| !failed) else {
+            return;
+        };
+        self.workers.settle(films);
+        let group = epoch.group.get().copied();
+        let mut kept = Experiment::of(&epoch.params, group, epoch.counts(), take(films));
+        for wish in wishes {
+            // Who wished it notices by what it owns.
+            let _ = catch_unwind(AssertUnwindSafe(|| wish(&mut kept)));
+        }
+        *films = kept.into_films();
+    }
+
     fn in_the_background(&mut self, turn: Turn, params: Params) {
         let mut accumulator = self.accumulator(turn, params);
         if self.run(&mut accumulator, self.at.passes) {
@@ -150,6 +197,9 @@ impl Driver {
     /// What there is of these parameters, ready to be traced.
     fn accumulator(&mut self, turn: Turn, params: Params) -> Accumulator {
         let threads = self.workers.threads();
+        if let Some(begin) = self.begin.take().filter(|_| turn.epoch == 1) {
+            return begin.begin(Epoch::new(turn, params, threads), &self.workers);
+        }
         if let Some(mut kept) = self.cache.take(&params) {
             kept.epoch.wake(turn, threads);
             return kept;
@@ -157,7 +207,7 @@ impl Driver {
         if self.spare.is_empty() {
             self.cache.make_room(params.bytes());
         }
-        let films = std::mem::take(&mut self.spare);
+        let films = take(&mut self.spare);
         Accumulator::new(Epoch::new(turn, params, threads), films)
     }
 

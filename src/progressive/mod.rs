@@ -4,9 +4,11 @@ mod accumulator;
 mod canvas;
 mod driver;
 mod epoch;
+mod experiment;
 mod first_hits;
 mod outlet;
 mod params;
+mod parts;
 mod pilot;
 mod plan;
 mod probe;
@@ -20,7 +22,9 @@ mod work;
 
 pub use crate::film::{ErrorEstimate, Figure, Interval};
 pub use crate::trace::Strategy;
+pub use experiment::{Difference, Experiment, ExperimentError, Goal};
 pub use params::{Params, ParamsError};
+pub use parts::part;
 pub use probe::{LogHistogram, Part, PixelReport, Technique, probe};
 pub use recipe::{
     ErrorRecipe, FileRecipe, MaterialRecipe, Recipe, RecipeError, SceneRecipe, ToneRecipe,

@@ -1,7 +1,8 @@
 //! Everything that a picture depends on.
 
-use super::pilot;
+use super::{Session, pilot};
 use crate::brdf::{Erratum, Model, Normals, Roughness};
+use crate::film::Film;
 use crate::limits::{PICTURE_SIDE, TooLarge, fits};
 use crate::math::sequence::REPLICATES;
 use crate::scene::{Camera, Material, Scene};
@@ -43,6 +44,10 @@ pub struct Params {
     /// Whether every pixel gets the same number of samples. Otherwise, after the first 16 passes, a
     /// pass is one sample a pixel on the mean only, and more where the picture is noisier.
     pub uniform: bool,
+    /// The number of the first pass: 0 but where a picture is rendered in parts, each of which has some of
+    /// the passes. A multiple of 4, so that every part is dealt to the replicates in the same turn, of at
+    /// most [`Session::MAX_PASSES`]; only where passes are uniform can it be another than 0.
+    pub first_pass: u64,
 }
 
 /// Parameters that cannot be rendered.
@@ -65,6 +70,10 @@ pub enum ParamsError {
     /// `max_depth` of 0.
     #[error("the depth limit must be at least 1 scattering event")]
     Depth,
+    /// A first pass that parts cannot begin with.
+    #[error("the first pass must be 0 or, where passes are uniform, a multiple of {REPLICATES} up to {max}, not {0}",
+            max = Session::MAX_PASSES)]
+    FirstPass(u64),
     /// The worker threads could not be started.
     #[error("could not start {threads} worker threads: {reason}")]
     Threads {
@@ -94,6 +103,7 @@ impl Params {
             reference: false,
             group: None,
             uniform: false,
+            first_pass: 0,
             scene,
         }
     }
@@ -148,7 +158,20 @@ impl Params {
         if self.max_depth == Some(0) {
             return Err(ParamsError::Depth);
         }
+        let first = self.first_pass;
+        let possible = first.is_multiple_of(REPLICATES as u64) && first <= Session::MAX_PASSES;
+        if first > 0 && !(self.uniform && possible) {
+            return Err(ParamsError::FirstPass(first));
+        }
         Ok(())
+    }
+
+    /// The exponent of the [quantum](Film::quantum) of the sums: by the brightest emission of
+    /// materials and sky.
+    pub(super) fn quantum(&self) -> i32 {
+        let emissions = self.materials.iter().map(|material| material.emission);
+        let all = emissions.chain([self.scene.environment()]).flatten();
+        Film::quantum(all.filter(|x| x.is_finite()).fold(0.0, f32::max))
     }
 
     /// Bytes of memory that a picture of these takes: sums of all replicates, a pass's samples, the
@@ -184,5 +207,6 @@ impl PartialEq for Params {
             && self.method() == o.method()
             && self.group == o.group
             && self.uniform == o.uniform
+            && self.first_pass == o.first_pass
     }
 }

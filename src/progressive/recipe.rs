@@ -5,12 +5,13 @@
 
 mod possible;
 
-use super::{Params, Snapshot};
+use super::{Counts, ErrorEstimate, Figure, Params, Snapshot};
 use crate::brdf::{Erratum, Roughness};
 use crate::math::lanes::Isa;
 use crate::picture::{Format, Picture, SaveError, Tone, write_with_samples};
 use crate::scene::write::{Edits, WriteError, edit};
 use crate::scene::{Material, MaterialError, MaterialId, Source, SourceFile};
+use crate::trace::Group;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use thiserror::Error;
@@ -81,6 +82,9 @@ pub struct Recipe {
     pub max_depth: Option<u32>,
     /// Samples that every pixel has: at least, or on the mean where they are not uniform.
     pub passes: u64,
+    /// The number of the first pass: another than 0 in a part of a picture.
+    #[serde(default)]
+    pub first_pass: u64,
     /// Whether there are no others: there are when time ran out within a pass. Such a picture cannot
     /// be made again exactly.
     #[serde(default)]
@@ -204,6 +208,16 @@ pub enum RecipeError {
     Write(#[from] WriteError),
 }
 
+/// What came of some parameters.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Outcome {
+    pub(super) passes: u64,
+    pub(super) whole: bool,
+    pub(super) counts: Counts,
+    pub(super) error: Option<ErrorEstimate>,
+    pub(super) group: Group,
+}
+
 impl Recipe {
     /// The version of this form: raised when an older program would misread it.
     pub const VERSION: u32 = 1;
@@ -213,9 +227,13 @@ impl Recipe {
 
     /// What this snapshot of these parameters was made of.
     pub fn new(params: &Params, snapshot: &Snapshot) -> Recipe {
+        let Snapshot { passes, whole, counts, error, group, .. } = *snapshot;
+        Recipe::of(params, Outcome { passes, whole, counts, error, group })
+    }
+
+    pub(super) fn of(params: &Params, outcome: Outcome) -> Recipe {
         let scene = &params.scene;
-        let counts = snapshot.counts;
-        let error = snapshot.error.map(|e| e.relative).filter(|e| e.value.is_finite());
+        let Outcome { passes, whole, counts, error, group } = outcome;
         let common = common_roughness(params);
         let by_alpha = |r: Roughness| Roughness::from_alpha(r.alpha()) == Ok(r);
         Recipe {
@@ -234,22 +252,18 @@ impl Recipe {
             normals: params.normals.name().to_owned(),
             erratum: params.erratum.map(Erratum::name).map(str::to_owned),
             reference: params.reference,
-            group: snapshot.group.paths(),
+            group: group.paths(),
             seed: params.seed,
             max_depth: params.max_depth,
             uniform: params.uniform,
-            passes: snapshot.passes,
-            whole: Some(snapshot.whole),
+            passes,
+            first_pass: params.first_pass,
+            whole: Some(whole),
             paths: counts.paths,
             rays: counts.rays,
             nonfinite: counts.nonfinite,
             capped: counts.capped,
-            error: error.map(|e| ErrorRecipe {
-                relative: e.value,
-                low: e.interval.low,
-                high: Some(e.interval.high).filter(|high| high.is_finite()),
-                reliable: snapshot.error.is_some_and(|e| e.reliable),
-            }),
+            error: error.and_then(|e| ErrorRecipe::new(&e)),
             tone: None,
         }
     }
@@ -314,6 +328,9 @@ impl Recipe {
         add("model", self.model.clone());
         add("size", format!("{width}x{height}"));
         add("passes", self.passes.max(1).to_string());
+        if self.first_pass > 0 {
+            add("first-pass", self.first_pass.to_string());
+        }
         add("seed", self.seed.to_string());
         if let Some(up) = &self.scene.up {
             add("up", up.clone());
@@ -381,6 +398,16 @@ impl Recipe {
     }
 }
 
+impl ErrorRecipe {
+    /// None of an error that is not finite.
+    pub(super) fn new(error: &ErrorEstimate) -> Option<ErrorRecipe> {
+        let Figure { value: relative, interval } = error.relative;
+        let high = Some(interval.high).filter(|high| high.is_finite());
+        let known = ErrorRecipe { relative, low: interval.low, high, reliable: error.reliable };
+        relative.is_finite().then_some(known)
+    }
+}
+
 impl SceneRecipe {
     fn new(params: &Params) -> SceneRecipe {
         let (name, source) = (params.scene.name().to_owned(), params.scene.source());
@@ -415,7 +442,7 @@ impl MaterialRecipe {
         }
     }
 
-    fn material(&self) -> Result<Material, MaterialError> {
+    pub(super) fn material(&self) -> Result<Material, MaterialError> {
         let wide = |c: [f32; 3]| c.map(f64::from);
         let name = self.name.as_str();
         Material::reflecting(name, wide(self.kd), wide(self.ks), self.exponent)?

@@ -1,11 +1,14 @@
 //! Worker threads behind a handle.
 
-use super::driver::Driver;
+use super::driver::{Driver, Start};
 use super::outlet::Outlet;
 use super::turn::{Role, Turn};
 use super::work::{Work, Workers};
-use super::{Params, ParamsError, Snapshot, State};
+use super::{Experiment, ExperimentError, Params, ParamsError, Snapshot, State};
+use crate::scene::Scene;
 use crossbeam_channel::{Receiver, bounded};
+use std::fmt;
+use std::mem::take;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
@@ -98,6 +101,9 @@ pub(super) struct Shared {
     limit: AtomicU64,
     paused: AtomicBool,
     stopped: AtomicBool,
+    /// Whether there are wishes.
+    wished: AtomicBool,
+    wishes: Wishes,
     /// Shortest time between two snapshots, in milliseconds.
     interval: AtomicU64,
     /// Bytes for accumulators that are not in use.
@@ -117,6 +123,17 @@ pub(super) struct Progress {
     /// be traced.
     pub(super) beside: u64,
     pub(super) beside_passes: Option<u64>,
+}
+
+/// What is to be done with the picture that is shown, as it is.
+#[derive(Default)]
+struct Wishes(Mutex<Vec<Wish>>);
+pub(super) type Wish = Box<dyn FnOnce(&mut Experiment) + Send>;
+
+impl fmt::Debug for Wishes {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("Wishes")
+    }
 }
 
 impl Session {
@@ -143,6 +160,32 @@ impl Session {
     ) -> Result<Session, ParamsError> {
         params.check()?;
         params.fit([0; 2], 0)?;
+        Session::launch(params, limit, options, notify, None)
+    }
+
+    /// Goes on with an experiment, of its scene read again, up to `limit` passes in all: with the bits that it
+    /// would have if it had never stopped. A scene that is not the experiment's is refused.
+    pub fn with_experiment(
+        experiment: Experiment,
+        scene: Arc<Scene>,
+        limit: u64,
+        options: Options,
+        notify: impl Fn() + Send + Sync + 'static,
+    ) -> Result<Session, ExperimentError> {
+        experiment.is_resumable()?;
+        let params = experiment.params(scene)?;
+        // Its sums are there already.
+        params.fit(params.size, 0)?;
+        Ok(Session::launch(params, limit, options, notify, Some(Start::of(experiment)))?)
+    }
+
+    fn launch(
+        params: Params,
+        limit: u64,
+        options: Options,
+        notify: impl Fn() + Send + Sync + 'static,
+        start: Option<Start>,
+    ) -> Result<Session, ParamsError> {
         let (sender, snapshots) = bounded(1);
         let (beside_sender, beside) = bounded(1);
         let shared = Arc::new(Shared::new(params, limit, options));
@@ -155,7 +198,7 @@ impl Session {
         let failed = |e: std::io::Error| ParamsError::Threads { threads: 1, reason: e.to_string() };
         let driver = std::thread::Builder::new()
             .name("burnish driver".into())
-            .spawn(move || Driver::new(workers).drive())
+            .spawn(move || Driver::new(workers, start).drive())
             .map_err(failed)?;
         Ok(Session { shared, snapshots, beside, driver: Some(driver) })
     }
@@ -242,6 +285,17 @@ impl Session {
         self.shared.pause(false);
     }
 
+    /// Has the driver's thread do this with the experiment of the picture that is shown, at the next moment at
+    /// which no worker is about it: at the end of a pass, unless a pause has come within one. Nothing is
+    /// traced meanwhile. It is dropped undone if the session ends or fails before.
+    pub fn keep(&self, wish: impl FnOnce(&mut Experiment) + Send + 'static) {
+        self.shared.tell(|shared| {
+            let mut wishes = shared.wishes.0.lock().unwrap_or_else(PoisonError::into_inner);
+            wishes.push(Box::new(wish));
+            shared.wished.store(true, Ordering::Release);
+        });
+    }
+
     /// From now on, the shortest time between two snapshots, to whole milliseconds; those at a change
     /// of state come at once all the same. Fewer leave more time for tracing.
     pub fn set_interval(&self, interval: Duration) {
@@ -290,6 +344,8 @@ impl Shared {
             limit: AtomicU64::new(limit.clamp(1, Session::MAX_PASSES)),
             paused: AtomicBool::new(false),
             stopped: AtomicBool::new(false),
+            wished: AtomicBool::new(false),
+            wishes: Wishes::default(),
             interval: AtomicU64::new(millis(options.interval)),
             keep: AtomicU64::new(options.keep),
             kept: Default::default(),
@@ -321,6 +377,18 @@ impl Shared {
         self.epoch.store(epoch, Ordering::Release);
         self.tell_with(guard);
         epoch
+    }
+
+    /// Whether something is to be done with the picture that is shown.
+    pub(super) fn is_wished(&self) -> bool {
+        self.wished.load(Ordering::Acquire)
+    }
+
+    /// What that is; nothing is left.
+    pub(super) fn wishes(&self) -> Vec<Wish> {
+        let mut wishes = self.wishes.0.lock().unwrap_or_else(PoisonError::into_inner);
+        self.wished.store(false, Ordering::Release);
+        take(&mut *wishes)
     }
 
     /// Shortest time between two snapshots.
@@ -389,6 +457,8 @@ impl Shared {
             } else if beside != at.beside {
                 let params = wanted.beside.clone().map(Box::new);
                 return Work::StartBeside(turn(Role::Beside), params);
+            } else if self.is_wished() {
+                return Work::Keep;
             }
             let shown = (!at.failed && !paused && at.passes < limit).then_some(at.passes);
             let other = at.beside_passes.filter(|&passes| !paused && passes < limit);

@@ -57,6 +57,8 @@ impl Default for Store {
 /// What a driver is to do next.
 pub(super) enum Work {
     Stop,
+    /// Does what was wished with the experiment that is shown.
+    Keep,
     /// Shows a picture of other parameters, or of the same ones anew; whether what was shown is to be
     /// thrown away.
     Start(Turn, Box<Params>, bool),
@@ -119,7 +121,7 @@ impl Workers {
         }
         let Some(group) = self.group(epoch) else { return epoch.clock(false) };
         let pixels: u64 = epoch.params.size.map(u64::from).iter().product();
-        while goes_on() {
+        while goes_on() && !self.shared.is_wished() {
             let done = whole_passes(films);
             let at_once = done.clamp(1, BATCH).min((self.wave() / pixels).max(1));
             let mut target = (done + at_once).min(self.shared.limit()).min(until);
@@ -142,9 +144,7 @@ impl Workers {
                 self.send(epoch, State::Running, whole_passes(films));
             }
         }
-        self.pool.install(|| {
-            films.par_iter().enumerate().for_each(|(index, film)| epoch.show_if_new(index, film))
-        });
+        self.show_all(epoch, films);
         epoch.clock(false);
     }
 
@@ -174,12 +174,14 @@ impl Workers {
         passes: Range<u64>,
         group: Group,
     ) {
-        let Params { size, seed, .. } = epoch.params;
+        let Params { size, seed, first_pass, .. } = epoch.params;
         let deals: Vec<Deal> =
-            passes.clone().map(|pass| Deal::new(size, seed, pass, group)).collect();
+            passes.clone().map(|pass| Deal::new(size, seed, first_pass + pass, group)).collect();
         // Only who edits comes back to the first pass.
         let first_hits = match passes {
-            Range { start: 0, end: 1 } if self.options.preview => cache.round(1, group, &deals[0]),
+            Range { start: 0, end: 1 } if self.options.preview && first_pass == 0 => {
+                cache.round(1, group, &deals[0])
+            }
             _ => &[],
         };
         canvas.prepare(size, deals.len());
@@ -196,7 +198,7 @@ impl Workers {
             let band = (self.wave() as usize).div_ceil(samples);
             let end = (row + band).min(rows);
             let lines = row as u32 * TILE..(end as u32 * TILE).min(size[1]);
-            let rounds = Rounds { deals: &deals, first: passes.start, first_hits };
+            let rounds = Rounds { deals: &deals, first: first_pass + passes.start, first_hits };
             if !self.trace_lines(epoch, canvas, rounds, lines, &mut traced) {
                 return;
             }
@@ -253,6 +255,18 @@ impl Workers {
             let waves = start.elapsed().as_secs_f64() / WAVE_TIME.as_secs_f64();
             self.wave.store((samples as f64 / waves.max(1e-6)) as u64, Ordering::Relaxed);
         }
+    }
+
+    /// Shows all that there is.
+    pub(super) fn show_all(&self, epoch: &Epoch, films: &[Film]) {
+        self.pool.install(|| {
+            films.par_iter().enumerate().for_each(|(index, film)| epoch.show_if_new(index, film))
+        });
+    }
+
+    /// Clears what is still to be cleared.
+    pub(super) fn settle(&self, films: &mut [Film]) {
+        self.pool.install(|| films.par_iter_mut().for_each(Film::settle));
     }
 
     pub(super) fn threads(&self) -> usize {

@@ -31,8 +31,12 @@ impl Recipe {
             // Where samples are planned, passes are those of a pixel on the mean only, but for the first.
             let each = if self.uniform { Session::MAX_PASSES } else { plan::UNIFORM };
             let least = u64::from(width) * u64::from(height) * self.passes.min(each);
+            let first = self.first_pass;
+            let begins = first == 0 || self.uniform && first.is_multiple_of(4);
             if self.passes > Session::MAX_PASSES {
                 Some(format!("{} passes", self.passes))
+            } else if first > Session::MAX_PASSES || !begins {
+                Some(format!("a first pass of {first}"))
             } else if self.paths < least || self.nonfinite > self.paths {
                 Some(format!(
                     "{} paths, {} of them not finite, in {} passes of {width}x{height} pixels",

@@ -5,7 +5,8 @@ use super::*;
 use crate::brdf::Model;
 use crate::film::ErrorEstimate;
 use crate::progressive::accumulator::Accumulator;
-use crate::progressive::{Snapshot, render};
+use crate::progressive::driver::Start;
+use crate::progressive::{Experiment, Snapshot, render};
 use crate::scene::{Camera, Material, SceneBuilder};
 use crossbeam_channel::bounded;
 use glam::DVec3;
@@ -48,8 +49,10 @@ fn quiet() -> [Outlet; 2] {
 
 /// Rendered with a pause at every snapshot, which with this interval is after every band of tiles.
 /// Waves are as short as they can be, so that a pause leaves the upper rows with more passes than the
-/// others, and as long as they can be, so that many passes are traced at once, in turn.
+/// others, and as long as they can be, so that many passes are traced at once, in turn. Every so often
+/// the process ends there, and another goes on with what is in its file.
 fn interrupted(params: &Params, threads: usize) -> Snapshot {
+    let folder = tempfile::tempdir().unwrap();
     let options = Options { threads, preview: false, interval: Duration::ZERO, keep: 0 };
     let shared = Arc::new(Shared::new(params.clone(), PASSES, options));
     let outlets = [(); 2].map(|()| {
@@ -58,9 +61,9 @@ fn interrupted(params: &Params, threads: usize) -> Snapshot {
         Outlet::new(sender, receiver, Box::new(move || pausing.pause(true)))
     });
     let workers = Workers::new(options, shared.clone(), outlets).unwrap();
-    let Accumulator { epoch, mut films } = accumulator(params.clone(), threads);
+    let Accumulator { mut epoch, mut films } = accumulator(params.clone(), threads);
     let mut store = Store::default();
-    let mut uneven = 0;
+    let (mut uneven, mut filed) = (0, 0);
     for turn in 0.. {
         workers.wave.store([0, u64::MAX][turn % 2], Ordering::Relaxed);
         shared.pause(false);
@@ -71,8 +74,20 @@ fn interrupted(params: &Params, threads: usize) -> Snapshot {
         }
         let most = films.iter().map(Film::passes).max().unwrap_or(0);
         uneven += u64::from(least > 1 && most > least);
+        if turn % 7 == 3 {
+            filed += u64::from(least > 1 && most > least);
+            workers.settle(&mut films);
+            let group = epoch.group.get().copied();
+            let kept = Experiment::of(params, group, epoch.counts(), std::mem::take(&mut films));
+            let path = folder.path().join("e.exr");
+            kept.save(&path).unwrap();
+            let read = Experiment::read(&path).unwrap();
+            assert!(read == kept && read.params(params.scene.clone()).unwrap() == *params);
+            epoch = accumulator(params.clone(), threads).epoch;
+            Accumulator { epoch, films } = Start::of(read).begin(epoch, &workers);
+        }
     }
-    assert!(uneven > 2, "no pause has come within a pass: the test tests nothing");
+    assert!(uneven > 2 && filed > 0, "no pause has come within a pass: the test tests nothing");
     epoch.snapshot(State::Done, PASSES)
 }
 
