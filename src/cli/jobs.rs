@@ -16,12 +16,14 @@ pub(super) struct Job {
     pub(super) outputs: Vec<PathBuf>,
     /// Where `--stats` go.
     pub(super) stats: Option<PathBuf>,
+    /// Where `--checkpoint` goes.
+    pub(super) checkpoint: Option<PathBuf>,
 }
 
 impl Job {
     /// All that it writes.
     pub(super) fn files(&self) -> impl Iterator<Item = &PathBuf> {
-        self.outputs.iter().chain(&self.stats)
+        self.outputs.iter().chain(&self.stats).chain(&self.checkpoint)
     }
 
     /// "table.scn, GGX"
@@ -37,7 +39,7 @@ pub(super) fn jobs(
     scenes: &[PathBuf],
     models: &[Model],
     outputs: &[PathBuf],
-    stats: Option<&Path>,
+    (stats, checkpoint): (Option<&Path>, Option<&Path>),
 ) -> Result<Vec<Job>, String> {
     let scenes: Vec<Option<&PathBuf>> =
         if scenes.is_empty() { vec![None] } else { scenes.iter().map(Some).collect() };
@@ -51,6 +53,7 @@ pub(super) fn jobs(
                 model,
                 outputs: outputs.iter().map(|p| fill(p)).collect::<Result<_, _>>()?,
                 stats: stats.map(fill).transpose()?,
+                checkpoint: checkpoint.map(fill).transpose()?,
             });
         }
     }
@@ -116,7 +119,7 @@ mod tests {
 
     fn made(scenes: &[&str], models: &[Model], outputs: &[&str]) -> Result<Vec<Job>, String> {
         let paths = |texts: &[&str]| texts.iter().map(PathBuf::from).collect::<Vec<_>>();
-        jobs(&paths(scenes), models, &paths(outputs), None)
+        jobs(&paths(scenes), models, &paths(outputs), (None, None))
     }
 
     #[test]

@@ -5,6 +5,7 @@
 
 mod brdf;
 mod check;
+mod checkpoint;
 mod compare;
 mod completions;
 mod figures;
@@ -12,18 +13,23 @@ mod info;
 mod interrupt;
 mod jobs;
 mod memory;
+mod merge;
 mod outputs;
+mod pictures;
 mod pixel;
 mod progress;
 mod render;
 mod report;
+mod resume;
 mod scene;
 mod settings;
 mod snapshots;
 mod soak;
 mod stats;
 mod talk;
+mod trace;
 mod values;
+mod verify;
 mod window;
 
 use burnish::plain;
@@ -81,10 +87,13 @@ enum Command {
     Compare(compare::Args),
     Completions(completions::Args),
     Info(info::Args),
+    Merge(merge::Args),
     Pixel(Box<pixel::Args>),
     Render(Box<render::Args>),
     Report(report::Args),
+    Resume(resume::Args),
     Soak(soak::Args),
+    Verify(verify::Args),
 }
 
 /// Runs the subcommand that the arguments name.
@@ -108,10 +117,13 @@ pub(crate) fn main() -> ExitCode {
         Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::Completions(args)) => completions::run(&args),
         Some(Command::Info(args)) => info::run(&args),
+        Some(Command::Merge(args)) => merge::run(&args),
         Some(Command::Pixel(args)) => pixel::run(&args),
         Some(Command::Render(args)) => render::run(&args, started),
         Some(Command::Report(args)) => report::run(&args),
+        Some(Command::Resume(args)) => resume::run(&args, started),
         Some(Command::Soak(args)) => soak::run(&args),
+        Some(Command::Verify(args)) => verify::run(&args, started),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

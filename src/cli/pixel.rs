@@ -32,6 +32,9 @@ pub(super) struct Args {
     /// Passes of the picture: the one asked for has to be among them.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=Session::MAX_PASSES))]
     passes: Option<u64>,
+    /// Number of the picture's first pass, where it is a part.
+    #[arg(long, value_name = "F", default_value_t = 0, value_parser = values::first_pass)]
+    first_pass: u64,
     #[command(flatten)]
     settings: Settings,
     // Radiance does not depend on them, as an EXR file does not: they are among the arguments that
@@ -44,12 +47,18 @@ pub(super) struct Args {
 
 /// Traces and prints.
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    if let Some(passes) = args.passes.filter(|&passes| args.pass >= passes) {
-        let pass = args.pass;
-        misused(format_args!("there is no pass {pass} of {passes}: passes are counted from 0"));
+    let (pass, first) = (args.pass, args.first_pass);
+    if let Some(passes) = args.passes.filter(|&passes| pass >= first.saturating_add(passes)) {
+        misused(format_args!(
+            "there is no pass {pass} of {passes}: passes are counted from {first}"
+        ));
+    }
+    if pass < first {
+        misused(format_args!("there is no pass {pass}: passes are counted from {first}"));
     }
     let loaded = scene::load_for(Some(&args.scene), args.settings.isa, args.settings.up)?;
-    let params = args.settings.params(&loaded.scene, args.model);
+    let mut params = args.settings.params(&loaded.scene, args.model);
+    params.uniform |= first > 0;
     params.check().map_err(Failure::new)?;
     warn(&params);
     let [width, height] = params.size;

@@ -1,22 +1,23 @@
 //! `burnish render`: a picture without a window.
 
+use super::checkpoint::Keeper;
 use super::jobs::{Job, jobs};
 use super::outputs::{self, Failures};
-use super::progress::{self, Goal, Progress};
 use super::scene::{self, Loaded};
 use super::settings::{Settings, warn};
-use super::snapshots::next;
 use super::stats::{self, Stats};
-use super::talk::{detail, note, say, warning};
+use super::talk::{detail, note, say};
+use super::trace::{End, Traced, options, tell, trace};
 use super::values::{self, Chosen};
-use super::{Failure, interrupt, misused};
+use super::{Failure, interrupt, misused, pictures};
 use burnish::brdf::{Erratum, Model};
 use burnish::measure::energy::remarks;
 use burnish::picture::{Curve, Picture, Tone};
 use burnish::plain;
-use burnish::progressive::{Options, Params, Recipe, Session, Snapshot, State, StopRule};
+use burnish::progressive::{Goal as KeptGoal, Params, Recipe, Session, part};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Renders a picture without a window.
 ///
@@ -28,7 +29,9 @@ use std::time::{Duration, Instant};
   burnish render -o ball.png
   burnish render table.scn -o table.exr -o table.png --model ggx --alpha 0.1 --passes 512
   burnish render table.scn -o table.png --time 60 --size 1600x1200 --exposure -1 --tone filmic
-  burnish render cornell plates my.scn --model all -o out/{name}-{model}.png    nine pictures")]
+  burnish render cornell plates my.scn --model all -o out/{name}-{model}.png    nine pictures
+  burnish render table.scn --passes 4096 --checkpoint table.exr --every 600     for `burnish resume`
+  burnish render table.scn --passes 4096 --part 3/40 --checkpoint part-3.exr    for `burnish merge`")]
 pub(super) struct Args {
     /// Scenes to render: .scn, .obj or .ply files, or names of shipped ones. The built-in scene
     /// without one.
@@ -37,7 +40,7 @@ pub(super) struct Args {
     /// (linear 32-bit float, untouched by --exposure and --tone). In it {name} stands for the
     /// scene's file without folder and ending, {model} for the model; so they do in --stats.
     /// `burnish info` shows how it was made.
-    #[arg(short, long = "output", value_name = "FILE", required = true)]
+    #[arg(short, long = "output", value_name = "FILE", required_unless_present = "checkpoint")]
     #[arg(value_parser = values::picture)]
     outputs: Vec<PathBuf>,
     /// Which BRDF: phong, beckmann, ggx, some of them with commas between, or all.
@@ -58,6 +61,23 @@ pub(super) struct Args {
     /// --time, whichever comes first.
     #[arg(long, value_name = "E", conflicts_with = "passes", value_parser = values::error)]
     error: Option<f64>,
+    /// Keeps the render in this file, an OpenEXR picture with every sum beside it, so that `burnish
+    /// resume` goes on from it with the same bits, whatever has ended or killed it, and `burnish merge`
+    /// puts parts together. It must not be there yet. {name} and {model} stand for the same as above.
+    #[arg(long, value_name = "FILE", value_parser = values::experiment)]
+    checkpoint: Option<PathBuf>,
+    /// Seconds between two checkpoints; the last one comes at the end.
+    #[arg(long, value_name = "SECONDS", default_value = "60", requires = "checkpoint",
+          value_parser = values::interval)]
+    every: f64,
+    /// Renders part K of N of the --passes, from 1, for `burnish merge`: those from 4 floor((K - 1) P / 4 N)
+    /// to before 4 floor(K P / 4 N). Implies --uniform.
+    #[arg(long, value_name = "K/N", conflicts_with_all = ["time", "error"], value_parser = values::part)]
+    part: Option<[u64; 2]>,
+    /// Number of the first pass, a multiple of 4, as a part has it. Implies --uniform.
+    #[arg(long, value_name = "F", default_value_t = 0, conflicts_with = "part",
+          value_parser = values::first_pass)]
+    first_pass: u64,
     #[command(flatten)]
     settings: Settings,
     /// Worker threads; 0 is one a core. The picture does not depend on it.
@@ -78,13 +98,25 @@ pub(super) struct Args {
 
 /// Renders and writes all of them; `started` is when the program began.
 pub(super) fn run(args: &Args, mut started: Instant) -> Result<(), Failure> {
-    let jobs = jobs(&args.scenes, &args.models.0, &args.outputs, args.stats.as_deref())
-        .unwrap_or_else(|why| misused(why));
+    let files = (args.stats.as_deref(), args.checkpoint.as_deref());
+    let jobs =
+        jobs(&args.scenes, &args.models.0, &args.outputs, files).unwrap_or_else(|why| misused(why));
+    let (first, passes) = args.passes();
+    if args.part.is_some() {
+        note(format_args!("passes {first} to {}, all of them uniform", first + passes - 1));
+    }
     // Known now, not after an hour.
     outputs::are_distinct(jobs.iter().flat_map(Job::files));
     let files = || jobs.iter().flat_map(Job::files);
     outputs::are_no_inputs(files(), args.scenes.iter().map(PathBuf::as_path))?;
     outputs::can_be_written(files())?;
+    let mut checkpoints = jobs.iter().filter_map(|job| job.checkpoint.as_deref());
+    if let Some(path) = checkpoints.find(|path| path.exists()) {
+        let path = plain::path(path);
+        return Err(Failure::new(format_args!(
+            "{path}: is there already; `burnish resume {path}` goes on with it, or remove it"
+        )));
+    }
     args.scenes.iter().try_for_each(|path| scene::exists(path))?;
     interrupt::listen()?;
     let mut done = 0;
@@ -114,52 +146,37 @@ pub(super) fn run(args: &Args, mut started: Instant) -> Result<(), Failure> {
 
 /// Renders one and writes it; returns whether Ctrl-C ended it.
 fn render(args: &Args, job: &Job, loaded: &Loaded, started: Instant) -> Result<bool, Failure> {
-    let params = args.settings.params(&loaded.scene, job.model);
+    let mut params = args.settings.params(&loaded.scene, job.model);
+    params.first_pass = args.passes().0;
+    if args.part.is_some() || args.first_pass > 0 {
+        params.uniform = true;
+    }
     warn(&params);
     energy(&params);
     detail(describe(&params, args.threads));
-    let traced = trace(args, params.clone(), started)?;
+    let end = args.end();
+    let session = Session::with_options(params.clone(), end.limit(0), options(args.threads), || {})
+        .map_err(Failure::new)?;
+    let keeper = |path: &PathBuf| Keeper::new(path, args.every, args.kept_goal(job));
+    let mut keeper = job.checkpoint.as_ref().map(keeper);
+    let traced = trace(&session, end, started, &mut keeper)?;
     tell(&traced);
     if traced.snapshot.counts.paths == 0 {
         return Err(Failure::new("stopped before the first sample: nothing is written"));
     }
-    let (picture, samples) = (traced.snapshot.mean(), traced.snapshot.samples());
+    let mut failures = Failures::default();
+    if let Some(keeper) = keeper {
+        failures.note(keeper.finish(&session));
+    }
+    let picture = traced.snapshot.mean();
     let tone = Tone { exposure: args.exposure, curve: args.tone };
     let recipe = Recipe::new(&params, &traced.snapshot);
-    let mut failures = Failures::default();
-    for path in &job.outputs {
-        match recipe.save_with_samples(path, &picture, &samples, tone) {
-            Ok(()) => detail(format_args!("written: {}", plain::path(path))),
-            Err(e) => failures.add(format_args!("{e}; {}", rescue(path, &recipe, &picture, tone))),
-        }
-    }
+    pictures::write(&job.outputs, &recipe, &traced.snapshot, &picture, tone, &mut failures);
     if let Some(path) = &job.stats {
         failures.note(stats(&params, args.threads, loaded, &traced, &picture).write(path));
     }
     failures.finish()?;
     Ok(traced.interrupted)
-}
-
-/// Puts a picture that could not be written where it was wanted into the temporary folder, and says
-/// where or why not: what was rendered is not thrown away.
-fn rescue(path: &Path, recipe: &Recipe, picture: &Picture, tone: Tone) -> String {
-    let ending = path.extension().map_or("exr".into(), |ending| ending.to_string_lossy());
-    let place = tempfile::Builder::new()
-        .prefix("burnish-")
-        .suffix(&format!(".{ending}"))
-        .tempfile()
-        .and_then(|file| file.into_temp_path().keep().map_err(|e| e.error));
-    let kept = place.map_err(|e| e.to_string()).and_then(|place| {
-        recipe.save(&place, picture, tone).map(|()| place.clone()).map_err(|e| {
-            // It is empty.
-            let _ = std::fs::remove_file(&place);
-            e.to_string()
-        })
-    });
-    match kept {
-        Ok(place) => format!("the picture is kept as {}", plain::path(&place)),
-        Err(why) => format!("nor could it be kept in the temporary folder: {why}"),
-    }
 }
 
 /// What is about to be rendered.
@@ -187,68 +204,34 @@ fn energy(params: &Params) {
 }
 
 impl Args {
-    fn goal(&self) -> Goal {
-        match (self.error, self.time) {
-            (Some(wanted), _) => Goal::Error(StopRule { wanted }),
-            (None, Some(seconds)) => Goal::Time(Duration::from_secs_f64(seconds)),
-            (None, None) => Goal::Passes(self.passes),
+    /// The first pass, and how many passes there are from it on.
+    fn passes(&self) -> (u64, u64) {
+        match self.part {
+            Some([number, of]) => match part(self.passes, number, of) {
+                Some(Range { start, end }) => (start, end - start),
+                None => misused(format_args!(
+                    "--part {number}/{of}: {} passes have at most {} parts, of 4 passes and more",
+                    self.passes,
+                    (self.passes / 4).max(1)
+                )),
+            },
+            None => (self.first_pass, self.passes),
         }
     }
-}
 
-/// A render that is over.
-struct Traced {
-    snapshot: Snapshot,
-    /// Ended by Ctrl-C.
-    interrupted: bool,
-    /// From the program's start until every pixel had a sample.
-    first_image: Option<Duration>,
-}
+    fn end(&self) -> End {
+        End::new(self.passes().1, self.time, self.error)
+    }
 
-/// How long Ctrl-C may go unnoticed.
-const TICK: Duration = Duration::from_millis(50);
-/// Between two snapshots: how late the first complete picture may be noticed.
-const INTERVAL: Duration = Duration::from_millis(20);
-
-/// Traces until the goal is reached or Ctrl-C is pressed.
-fn trace(args: &Args, params: Params, started: Instant) -> Result<Traced, Failure> {
-    let limit = match args.goal() {
-        Goal::Passes(passes) => passes,
-        Goal::Time(_) => Session::MAX_PASSES,
-        Goal::Error(_) => StopRule::FIRST,
-    };
-    let time = args.time.map_or(Duration::MAX, Duration::from_secs_f64);
-    let options = Options { interval: INTERVAL, ..Options::headless(args.threads) };
-    let session = Session::with_options(params, limit, options, || {}).map_err(Failure::new)?;
-    let mut progress = Progress::start(args.goal());
-    let mut first_image = None;
-    let mut stopping = false;
-    loop {
-        let left = time.saturating_sub(progress.elapsed());
-        let wait = if stopping { TICK } else { left.min(TICK) };
-        if let Some(snapshot) = next(&session, wait)? {
-            if snapshot.passes > 0 {
-                first_image.get_or_insert_with(|| started.elapsed());
-                // From now on nobody watches as closely.
-                session.set_interval(TICK * 10);
-            }
-            progress.show(&snapshot);
-            let again = match (args.goal(), &snapshot.state) {
-                (Goal::Error(rule), State::Done) => {
-                    rule.next(snapshot.passes, snapshot.error.as_ref())
-                }
-                _ => None,
-            };
-            if let Some(passes) = again.filter(|_| !stopping) {
-                session.set_limit(passes);
-            } else if snapshot.state != State::Running {
-                let interrupted = snapshot.state == State::Paused && interrupt::came();
-                return Ok(Traced { snapshot, interrupted, first_image });
-            }
-        }
-        if !stopping && (left.is_zero() || interrupt::came()) {
-            stopping = true;
-            session.pause();
+    /// What the checkpoint says that it is to become.
+    fn kept_goal(&self, job: &Job) -> KeptGoal {
+        let (first, passes) = self.passes();
+        let known = self.time.is_none() && self.error.is_none();
+        let of = if self.part.is_some() { self.passes } else { first + passes };
+        KeptGoal {
+            end: known.then_some(first + passes),
+            passes: known.then_some(of),
+            scene: job.scene.as_deref().and_then(Path::to_str).map(str::to_owned),
         }
     }
 }
@@ -289,39 +272,5 @@ fn stats(
         width: picture.width,
         height: picture.height,
         threads: values::worker_count(threads),
-    }
-}
-
-/// What there is to know about a finished render.
-fn tell(traced: &Traced) {
-    let Traced { snapshot, interrupted, first_image } = traced;
-    let early = if *interrupted { "stopped by Ctrl-C: " } else { "" };
-    let Snapshot { passes, seconds, counts, .. } = snapshot;
-    let (done, error) = (progress::passes(*passes), progress::error(snapshot));
-    say(format_args!("{early}{done} in {seconds:.2} s{error}"));
-    let millions = |n: u64| n as f64 / seconds.max(1e-9) / 1e6;
-    detail(format_args!(
-        "{:.2} M paths/s, {:.2} M rays/s; every pixel had a sample after {:.3} s",
-        millions(counts.paths),
-        millions(counts.rays),
-        first_image.map_or(f64::NAN, |t| t.as_secs_f64())
-    ));
-    if snapshot.error.is_some_and(|e| !e.reliable) {
-        note("the error is not yet reliable: too few passes, or a handful of pixels owns it");
-    }
-    if *passes == 0 {
-        warning("not every pixel has a sample yet; the rest is black");
-    }
-    if counts.nonfinite > 0 {
-        let n = counts.nonfinite;
-        warning(format_args!(
-            "{n} samples were NaN or infinite and are left out; their pixels are wrong"
-        ));
-    }
-    if counts.capped > 0 {
-        let n = counts.capped;
-        note(format_args!(
-            "{n} paths were ended by the safety caps on their length and throughput"
-        ));
     }
 }

@@ -84,6 +84,41 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A length of time that may be none.
+pub(super) fn interval(text: &str) -> Result<f64, String> {
+    let interval = number(text)?;
+    if (0.0..=1e9).contains(&interval) {
+        Ok(interval)
+    } else {
+        Err("expected seconds from 0 to 1e9".into())
+    }
+}
+
+/// `3/40`, from 1.
+pub(super) fn part(text: &str) -> Result<[u64; 2], String> {
+    let parts = text.split_once('/').and_then(|(k, n)| Some([k.parse().ok()?, n.parse().ok()?]));
+    parts
+        .filter(|[number, of]: &[u64; 2]| (1..=*of).contains(number))
+        .ok_or_else(|| "expected a part and the number of parts, such as 3/40, from 1".into())
+}
+
+/// The number of the pass that a part begins with.
+pub(super) fn first_pass(text: &str) -> Result<u64, String> {
+    let pass = text.parse().ok().filter(|pass: &u64| {
+        pass.is_multiple_of(4) && *pass <= burnish::progressive::Session::MAX_PASSES
+    });
+    pass.ok_or_else(|| "expected a multiple of 4, the number of a pass".into())
+}
+
+/// An OpenEXR file.
+pub(super) fn experiment(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    match Format::of(&path) {
+        Ok(Format::Exr) => Ok(path),
+        _ => Err("expected the name of an OpenEXR file, which ends in .exr".into()),
+    }
+}
+
 /// Radiance of at least 0 in W/(m² sr).
 pub(super) fn radiance(text: &str) -> Result<f32, String> {
     let value = number::<f32>(text)?;

@@ -1,6 +1,7 @@
 //! The command line, driven as a user or a script drives it: arguments in, files and codes out.
 
 mod brdf;
+mod experiment;
 mod measure;
 mod outputs;
 
