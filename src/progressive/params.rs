@@ -6,7 +6,7 @@ use crate::film::Film;
 use crate::limits::{PICTURE_SIDE, TooLarge, fits};
 use crate::math::sequence::REPLICATES;
 use crate::scene::{Camera, Material, Scene};
-use crate::trace::{Group, Method, Strategy, Tracer};
+use crate::trace::{Group, Integrator, Method, Strategy, Tracer};
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -129,10 +129,12 @@ impl Params {
             &self.materials,
             &self.camera,
             self.size,
-            self.seed,
-            self.max_depth,
-            self.model,
-            self.method(),
+            Integrator {
+                seed: self.seed,
+                max_depth: self.max_depth,
+                model: self.model,
+                method: self.method(),
+            },
         )
     }
 

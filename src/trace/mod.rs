@@ -131,6 +131,19 @@ impl Method {
     }
 }
 
+/// What is traced of a scene, and how.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Integrator {
+    /// Picks one of 2^64 independent pictures.
+    pub seed: u64,
+    /// Largest number of scattering events between camera and light; `None` for no limit.
+    pub max_depth: Option<u32>,
+    /// Which D and G.
+    pub model: Model,
+    /// How light is sampled.
+    pub method: Method,
+}
+
 /// A scene made ready for tracing with given materials, camera and picture size.
 #[derive(Debug)]
 pub struct Tracer {
@@ -247,17 +260,13 @@ impl Effort {
 }
 
 impl Tracer {
-    /// `materials` stand in for the scene's own, the same number in the same order. `max_depth`
-    /// is the largest number of scattering events between camera and light.
+    /// `materials` stand in for the scene's own, the same number in the same order.
     pub fn new(
         scene: Arc<Scene>,
         materials: &[Material],
         camera: &Camera,
         size: [u32; 2],
-        seed: u64,
-        max_depth: Option<u32>,
-        model: Model,
-        method: Method,
+        Integrator { seed, max_depth, model, method }: Integrator,
     ) -> Tracer {
         let surfaces = materials.iter().map(Surface::new).collect();
         let equally = method.erratum == Some(Erratum::FirstAndLastLight);

@@ -44,7 +44,7 @@ impl Switching {
 impl Default for Switching {
     /// A quarter of the machine's memory, or 1 GiB where the system does not tell.
     fn default() -> Switching {
-        let keep = burnish::limits::machine().map_or(1 << 10, |bytes| bytes / 4 >> 20);
+        let keep = burnish::limits::machine().map_or(1 << 10, |bytes| (bytes / 4) >> 20);
         Switching { keep: keep.min(Switching::KEEP), refine: true, hold: 1 }
     }
 }

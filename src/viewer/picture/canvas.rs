@@ -171,7 +171,7 @@ impl Canvas {
                 (Some(versus), _) => {
                     let options = filter(times);
                     let Canvas { sides, difference, wipe, .. } = self;
-                    versus.paint(ui, spaces, places, sides, wipe, difference, options);
+                    versus.paint(ui, [spaces, places], sides, wipe, difference, options);
                 }
                 (None, Some(texture)) => texture.paint(&ui.painter_at(space), places[0]),
                 (None, None) => {}

@@ -65,12 +65,11 @@ pub(crate) fn spaces(space: Rect, layout: Option<Layout>) -> [Rect; 2] {
 }
 
 impl Versus {
-    /// Draws both into their places, the bar at `wipe` of the picture's width.
+    /// Draws both into their places within their spaces, the bar at `wipe` of the picture's width.
     pub(crate) fn paint(
         self,
         ui: &Ui,
-        spaces: [Rect; 2],
-        places: [Rect; 2],
+        [spaces, places]: [[Rect; 2]; 2],
         sides: &[Side; 2],
         wipe: &mut f32,
         on_card: &mut DifferenceTexture,
