@@ -153,7 +153,8 @@ mod tests {
                 assert!(a.name != b.name && a.title != b.title && a.shows != b.shows);
             }
         }
-        assert_eq!(Example::named("Default"), None);
+        assert_eq!(Example::named("DEFAULT").map(|e| e.name), Some("default"));
+        assert_eq!(Example::named("no such scene"), None);
     }
 
     #[test]

@@ -72,9 +72,13 @@ fn colour(ui: &mut Ui, control: &Control, most: f64, value: &mut [f32; 3]) {
         let brightest = if most == 1.0 { 1.0 } else { value.iter().fold(1e-30, |a, &b| b.max(a)) };
         if most == 1.0 {
             ui.spacing_mut().interact_size = egui::vec2(18.0, 18.0);
-            ui.color_edit_button_rgb(value)
-                .accessible_name(format!("{name} colour"))
-                .on_hover_text(*tip);
+            // The picker rounds what it is shown: to look is not to edit.
+            let mut picked = *value;
+            let picker = ui.color_edit_button_rgb(&mut picked);
+            let picker = picker.accessible_name(format!("{name} colour"));
+            if picker.on_hover_text(*tip).changed() {
+                *value = picked;
+            }
             ui.spacing_mut().interact_size.y = height;
         } else {
             widgets::swatch(ui, value.map(|c| c / brightest)).on_hover_text(*tip);
