@@ -77,7 +77,8 @@ impl Film {
 
     /// The quantum of the sums of samples of which the brightest emission is this, in W/(m² sr), as an
     /// exponent of two: every sample is rounded to a multiple of it, so that sums do not depend
-    /// on the order of what is added. It is 2^-48 of that emission or, with none, of 1.
+    /// on the order of what is added. It is 2^-48 of that emission, or of 1 with none, and at most 2^-44
+    /// unless the emission is beyond 2^47.
     pub fn quantum(brightest: f32) -> i32 {
         sums::quantum_for(brightest)
     }

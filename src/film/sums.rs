@@ -5,21 +5,28 @@
 //! power of two, the [quantum](Film::quantum), and these multiples are added as integers.
 //!
 //! **Error.** A sample is off by at most half a quantum, and so is a mean. The quantum is 2^-48 of
-//! the brightest emission of the scene, rounded up to a power of two: for a pixel of one millionth of it
-//! that is 3.5e-9 of its radiance, less than the rounding of the mean to single precision. Beyond that
-//! nothing is lost, where sums in double precision lose some 2^-53 of themselves with every sample.
+//! the brightest emission of the scene, rounded up to a power of two, but at most 2^-44 W/(m² sr): a small
+//! lamp that is brighter by far than what it shines on is no measure of the picture. Only for emissions
+//! beyond 2^47 it is 2^-92 of these, the least for which 128 bits do. For a pixel of one
+//! millionth of such a bound that is some 1e-8 of its radiance, less than the rounding of the mean to single
+//! precision. Beyond that nothing is lost, where sums in double precision lose some 2^-53 of
+//! themselves with every sample.
 //!
-//! **Size.** 64 bits hold 2^14 samples as bright as the brightest emission, and many more of
-//! others. The sums of a tile in which one outgrows them go on with 128 bits, enough for 2^32 samples of
-//! 2^46 times that emission; a sample beyond that counts as so much.
+//! **Size.** 64 bits hold 2^14 samples of radiance 8 or of the brightest emission if that is less. The
+//! sums of a tile in which one outgrows them go on with 128 bits, enough for 2^32 samples of 2^94
+//! quanta, 4 times the brightest emission or more; a sample beyond that counts as so much.
 
 use crate::math::sequence::REPLICATES;
 
 /// Of each replicate and channel.
 pub(super) type Exact = [[i128; 3]; REPLICATES];
 
-/// The quantum is so many powers of two below the brightest emission.
+/// The quantum is so many powers of two below the brightest emission,
 pub(super) const BITS: i32 = 48;
+/// but at most two to this power,
+const MOST: i32 = -44;
+/// and so many powers of two below the brightest emission at most.
+const MOST_BITS: i32 = 92;
 /// Multiples below this are rounded by adding [`MAGIC`], whose last place is 1.
 const QUICK: f64 = (1u64 << 51) as f64;
 const MAGIC: f64 = 1.5 * (1u64 << 52) as f64;
@@ -156,7 +163,11 @@ fn power_of_two(exponent: i32) -> f64 {
 pub(super) fn quantum_for(brightest: f32) -> i32 {
     // Brightest is below 2^(exponent + 1).
     let exponent = (f64::from(brightest).to_bits() >> 52) as i32 - 1023;
-    if brightest > 0.0 && brightest.is_finite() { exponent + 1 - BITS } else { -BITS }
+    if brightest > 0.0 && brightest.is_finite() {
+        (exponent + 1 - BITS).min(MOST).max(exponent + 1 - MOST_BITS)
+    } else {
+        -BITS
+    }
 }
 
 #[cfg(test)]
@@ -166,9 +177,17 @@ mod tests {
 
     #[test]
     fn the_quantum_follows_the_brightest_emission() {
-        let all = [(1.0, 1), (1.5, 1), (0.99, 0), (1e18, 60), (f32::MIN_POSITIVE, -125)];
-        for (brightest, power) in all {
-            assert_eq!(quantum_for(brightest), power - BITS, "{brightest}");
+        for (brightest, power) in [
+            (f32::MIN_POSITIVE, -125 - 48),
+            (0.99, -48),
+            (1.5, 1 - 48),
+            (7.9, 3 - 48),
+            // A tiny lamp is brighter than what it shines on.
+            (16.0, -44),
+            (1e12, -44),
+            (1e18, 60 - 92),
+        ] {
+            assert_eq!(quantum_for(brightest), power, "{brightest}");
         }
         for none in [0.0, -1.0, f32::NAN, f32::INFINITY] {
             assert_eq!(quantum_for(none), -BITS);

@@ -56,7 +56,7 @@ fn materials_as_people_write_them() {
 
 #[test]
 fn missing_materials_are_warnings() {
-    let grey = "a diffuse grey of Kd 0.5 is used";
+    let grey = "a glossy grey of Kd 0.3, Ks 0.2, alpha 0.25 is used";
     for (lines, expected) in [
         (
             "mtllib none.mtl\n",
