@@ -38,42 +38,24 @@ fn the_other_models_are_refined_while_nothing_else_is_to_be_done() {
     desk.until_done(5);
 }
 
-/// Coarse blocks do not take the place of a picture, unless it is of another view.
+/// Coarse blocks do not take the place of a picture, unless it is of another view or all there will be.
 #[test]
-fn the_old_picture_stays_until_the_new_one_has_a_pass() {
+fn the_old_picture_stays_until_the_new_one_is_as_fine_as_is_asked_for() {
     let mut desk = Desk::done(4);
-    let before = desk.shown();
-    desk.click_role(Role::Button, "Kept pictures");
-    desk.harness.run_ok();
-    desk.type_into("Hold", "60");
-    // Else the other model's picture is there already.
-    desk.click("Refine the other models");
-    desk.type_into("Keep", "0");
-    let epoch = desk.newest().epoch;
-    desk.document(|d| {
-        d.set_limit(1000);
-        d.params.model = Model::Beckmann;
-    });
-    desk.harness.step();
-    let mut held = 0;
-    loop {
-        let newest = desk.newest();
-        if newest.epoch > epoch && newest.passes >= 60 {
-            break;
-        }
-        held += u64::from(newest.epoch > epoch);
-        assert!(desk.shown() == before, "{} passes are shown", newest.passes);
-        std::thread::sleep(Duration::from_millis(1));
-        desk.harness.step();
-    }
-    assert!(held > 0, "nothing was held back: the test tests nothing");
-    desk.until("its own picture", |app| app.render.as_ref().unwrap().latency.is_some());
-    assert!(desk.shown() != before);
-    let shown = desk.shown();
-    let epoch = desk.newest().epoch;
-    desk.document(|d| d.params.camera.eye.x += 0.2);
-    desk.until_told(epoch);
-    assert!(desk.shown() != shown, "another view is shown whatever its passes");
+    let next = Snapshot { epoch: desk.newest().epoch + 1, ..desk.newest().clone() };
+    let App { canvas, document, .. } = desk.harness.state_mut().as_mut().unwrap();
+    let document = document.as_mut().unwrap();
+    let with = |passes, state| Snapshot { passes, state, ..next.clone() };
+    assert!(!canvas.show(&with(0, State::Running), document, 3));
+    assert!(!canvas.show(&with(2, State::Running), document, 3));
+    assert!(canvas.show(&with(2, State::Done), document, 3), "more than this never comes");
+    let later = |passes| Snapshot { epoch: next.epoch + 1, ..with(passes, State::Running) };
+    assert!(!canvas.show(&later(2), document, 3));
+    assert!(canvas.show(&later(0), document, 0), "at once, while something is dragged");
+    assert!(canvas.show(&later(1), document, 3), "it goes on from there");
+    document.params.camera.eye.x += 0.2;
+    let moved = Snapshot { epoch: next.epoch + 2, ..with(0, State::Running) };
+    assert!(canvas.show(&moved, document, 3), "another view");
 }
 
 /// Red of the pixels left and right of the middle, of what is painted.
