@@ -15,7 +15,11 @@ stop() {
     for file in "${services[@]}"; do
         [ -e "$file" ] && kill "$(cat "$file")" 2>/dev/null || true
     done
-    rm -rf "$made"
+    # Services that are ending may still write there.
+    for _ in $(seq 50); do
+        rm -rf "$made" 2>/dev/null && return
+        sleep 0.1
+    done
 }
 trap stop EXIT
 scene=$made/ball.scn passes=960 parts=6
