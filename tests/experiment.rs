@@ -24,7 +24,7 @@ fn kept(session: &Session) -> Experiment {
     let over = session.snapshots().iter().find(|s| s.state != State::Running).unwrap();
     assert_eq!(over.state, State::Done);
     let (tell, told) = mpsc::channel();
-    session.keep(move |experiment| tell.send(experiment.clone()).unwrap());
+    session.visit_experiment(move |experiment| tell.send(experiment.clone()).unwrap());
     told.recv().unwrap()
 }
 

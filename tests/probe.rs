@@ -54,7 +54,7 @@ fn a_record_has_the_sample_s_bits_and_its_parts_add_up_to_it() {
             let mut scratch = tracer.scratch();
             for (i, pass) in (0..w * h).zip([0, 7, 1 << 18].into_iter().cycle()) {
                 let pixel = [i % w, i / w];
-                let path = tracer.record(model, pixel, pass, &mut scratch);
+                let path = tracer.record(pixel, pass, &mut scratch);
                 let plain = plain(&tracer, pixel, pass, &mut scratch);
                 assert_eq!(<[f32; 3]>::from(path.value), plain, "{model:?} {strategy:?} {pixel:?}");
                 // Each of the sums loses half a unit in the last place of the largest.
@@ -81,7 +81,7 @@ fn a_mistake_made_on_purpose_is_recorded_too() {
         let mut scratch = tracer.scratch();
         for i in 0..200 {
             let pixel = [i % 32, i / 32 * 4];
-            let path = tracer.record(Model::Ggx, pixel, 3, &mut scratch);
+            let path = tracer.record(pixel, 3, &mut scratch);
             let plain = plain(&tracer, pixel, 3, &mut scratch);
             assert_eq!(<[f32; 3]>::from(path.value), plain, "{erratum:?} {pixel:?}");
         }

@@ -47,7 +47,7 @@ impl Keeper {
     fn begin(&mut self, session: &Session) {
         let (tell, told) = channel();
         let (path, goal) = (self.path.clone(), self.goal.clone());
-        session.keep(move |experiment| {
+        session.visit_experiment(move |experiment| {
             experiment.goal = goal;
             // Who asked may have gone.
             let _ = tell.send(experiment.save(&path));

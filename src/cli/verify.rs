@@ -137,7 +137,7 @@ fn render(
         return Err(Failure::new("stopped by Ctrl-C before the end: nothing is compared"));
     }
     let (tell, told) = channel();
-    session.keep(move |experiment| {
+    session.visit_experiment(move |experiment| {
         // Who asked waits for it.
         let _ = tell.send(experiment.clone());
     });

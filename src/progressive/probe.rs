@@ -103,7 +103,7 @@ pub fn probe(params: &Params, [x, y]: [u32; 2], samples: u64) -> Option<PixelRep
     let first = params.scene.first_hit(&params.camera, params.size, middle);
     let tracer = params.tracer();
     let mut sums = Sums::new(first.map(|f| f.material));
-    sums.trace(params, &tracer, [x, y], samples);
+    sums.trace(&tracer, [x, y], samples);
     let last = sums.by_event.iter().rposition(|e| e.any).map_or(0, |i| i + 1);
     let each = samples / runs;
     Some(PixelReport {
@@ -200,11 +200,11 @@ impl Sums {
         }
     }
 
-    fn trace(&mut self, params: &Params, tracer: &Tracer, pixel: [u32; 2], samples: u64) {
+    fn trace(&mut self, tracer: &Tracer, pixel: [u32; 2], samples: u64) {
         let mut scratch = tracer.scratch();
         for i in 0..samples {
             let pass = PixelReport::pass(i);
-            let path = tracer.record(params.model, pixel, pass, &mut scratch);
+            let path = tracer.record(pixel, pass, &mut scratch);
             self.add((i % PixelReport::RANDOMISATIONS as u64) as usize, pass, path);
         }
     }

@@ -288,7 +288,7 @@ impl Session {
     /// Has the driver's thread do this with the experiment of the picture that is shown, at the next moment at
     /// which no worker is about it: at the end of a pass, unless a pause has come within one. Nothing is
     /// traced meanwhile. It is dropped undone if the session ends or fails before.
-    pub fn keep(&self, wish: impl FnOnce(&mut Experiment) + Send + 'static) {
+    pub fn visit_experiment(&self, wish: impl FnOnce(&mut Experiment) + Send + 'static) {
         self.shared.tell(|shared| {
             let mut wishes = shared.wishes.0.lock().unwrap_or_else(PoisonError::into_inner);
             wishes.push(Box::new(wish));

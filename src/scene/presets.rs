@@ -13,7 +13,7 @@
 //! depends on the wavelength: it is weighted with the CIE 1931 colour matching functions under an
 //! equal-energy light and taken to linear Rec. 709, each channel over that of a perfect mirror. Gold's
 //! red is 1.008 so, beyond what Rec. 709 can show, and given as 1. The tests make the metals' numbers
-//! again from n and k.
+//! again from n and k, whose tables there were not compared with the papers once more.
 
 use super::{Material, MaterialError};
 

@@ -3,7 +3,6 @@
 use super::errata::Wrong;
 use super::rules::Rules;
 use super::{Scratch, Tracer};
-use crate::brdf::Model;
 use crate::math::lanes::U32;
 use crate::math::sequence::{Slot, Stream, pair};
 use crate::math::{Rgb, V3};
@@ -125,14 +124,8 @@ impl Recorder for Writer<'_> {
 impl Tracer {
     /// [`Tracer::sample`] with all that its path met: pass `pass` (from 0) of the pixel in column
     /// `x`, row `y` from the top, by the reference tracer. Its value has the same bits.
-    pub fn record(
-        &self,
-        model: Model,
-        [x, y]: [u32; 2],
-        pass: u64,
-        scratch: &mut Scratch,
-    ) -> PathRecord {
-        let rules = Wrong::new(self, model);
+    pub fn record(&self, [x, y]: [u32; 2], pass: u64, scratch: &mut Scratch) -> PathRecord {
+        let rules = Wrong::new(self, self.model);
         let stream = Stream::new(self.seed, U32(x), U32(y), pass);
         let [dx, dy] = pair::<f32>(&stream, Slot::CAMERA);
         let ray = self.camera.ray(x as f32 + dx, y as f32 + dy);

@@ -22,7 +22,7 @@ fn write(scene: &Arc<Scene>, uniform: bool, passes: u64, path: &Path) {
     session.snapshots().iter().find(|s| s.state == State::Done).unwrap();
     let (tell, told) = mpsc::channel();
     let to = path.to_path_buf();
-    session.keep(move |experiment| tell.send(experiment.save(&to)).unwrap());
+    session.visit_experiment(move |experiment| tell.send(experiment.save(&to)).unwrap());
     told.recv().unwrap().unwrap();
 }
 

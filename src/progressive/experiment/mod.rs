@@ -43,7 +43,7 @@ use thiserror::Error;
 /// let session = Session::with_options(params, 40, Options::headless(1), || {})?;
 /// let (saved, told) = mpsc::channel();
 /// let to = path.clone();
-/// session.keep(move |experiment| { let _ = saved.send(experiment.save(&to)); });
+/// session.visit_experiment(move |experiment| { let _ = saved.send(experiment.save(&to)); });
 /// told.recv()??;
 /// drop(session);
 ///

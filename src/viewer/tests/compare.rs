@@ -58,12 +58,9 @@ fn the_old_picture_stays_until_the_new_one_is_as_fine_as_is_asked_for() {
     assert!(canvas.show(&moved, document, 3), "another view");
 }
 
-/// Red of the pixels left and right of the middle, of what is painted.
-fn compared(desk: &mut Desk) -> (String, String) {
-    let app = desk.app();
-    let names = app.compare.names(app.document.as_ref().unwrap());
-    let [a, b] = names;
-    (a, b)
+/// What the two pictures are called.
+fn names(desk: &Desk) -> [String; 2] {
+    desk.app().compare.names(desk.doc())
 }
 
 #[test]
@@ -75,7 +72,7 @@ fn two_models_are_traced_in_turn_and_laid_against_each_other() {
         let beside = app.render.as_ref().unwrap().beside();
         beside.is_some_and(|s| s.passes == 40)
     });
-    assert_eq!(compared(&mut desk), ("GGX".to_owned(), "Beckmann".to_owned()));
+    assert_eq!(names(&desk), ["GGX", "Beckmann"]);
     let plain = |desk: &Desk, model| {
         let params = burnish::progressive::Params { model, ..desk.doc().params.clone() };
         render(params, 40, 1).unwrap()
