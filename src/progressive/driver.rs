@@ -52,8 +52,8 @@ pub(super) struct Driver {
     at: Progress,
     /// What was last told of the picture that is shown while it was at rest.
     told: Option<(Progress, State)>,
-    /// Parameters that fail: not to be tried in the background again.
-    faulty: Vec<Params>,
+    /// Parameters that fail or cannot be kept: not to be tried in the background again.
+    useless: Vec<Params>,
 }
 
 impl Driver {
@@ -68,7 +68,7 @@ impl Driver {
             spare: Vec::new(),
             at: Progress::default(),
             told: None,
-            faulty: Vec::new(),
+            useless: Vec::new(),
         }
     }
 
@@ -95,7 +95,7 @@ impl Driver {
                     beside.epoch.turn = turn;
                     let good = self.run(&mut beside, until);
                     self.at.beside_passes = good.then(|| beside.passes());
-                    self.beside = Some(beside);
+                    self.beside = good.then_some(beside);
                 }
                 Work::Background(turn, params) => self.in_the_background(turn, *params),
             }
@@ -104,7 +104,7 @@ impl Driver {
 
     /// What to do now, and tells that nothing is if so.
     fn next(&mut self) -> Work {
-        let Driver { workers, shown, beside, cache, at, told, faulty, .. } = self;
+        let Driver { workers, shown, beside, cache, at, told, useless, .. } = self;
         let idle = |state: State| {
             let news = Some((*at, state.clone()));
             if *told == news {
@@ -119,8 +119,8 @@ impl Driver {
         let there = |params: &Params| {
             let known =
                 |of: &Option<Accumulator>| of.as_ref().is_some_and(|of| of.epoch.params == *params);
-            let useless = known(shown) || known(beside) || faulty.contains(params);
-            (!useless && cache.has_room_for(params)).then(|| cache.passes(params))
+            let out = known(shown) || known(beside) || useless.contains(params);
+            (!out && cache.has_room_for(params)).then(|| cache.passes(params))
         };
         workers.shared.wait(*at, idle, there)
     }
@@ -128,7 +128,8 @@ impl Driver {
     /// Shows a picture of these parameters: of what there is of them.
     fn start(&mut self, turn: Turn, params: Params, discard: bool) {
         if let Some(old) = self.shown.take() {
-            match discard {
+            // What failed may have samples that it does not count.
+            match discard || self.at.failed {
                 true => self.spare = old.films,
                 false => self.put_aside(old),
             }
@@ -137,7 +138,7 @@ impl Driver {
             self.beside.take().into_iter().for_each(|beside| self.put_aside(beside));
             self.at.beside_passes = None;
         }
-        self.faulty.clear();
+        self.useless.clear();
         let shown = self.accumulator(turn, params);
         self.at = Progress { epoch: turn.epoch, passes: shown.passes(), failed: false, ..self.at };
         if self.at.passes > 0 {
@@ -180,11 +181,17 @@ impl Driver {
     }
 
     fn in_the_background(&mut self, turn: Turn, params: Params) {
-        let mut accumulator = self.accumulator(turn, params);
-        if self.run(&mut accumulator, self.at.passes) {
+        let known = u64::from(self.cache.passes(&params) > 0);
+        let others = self.cache.size()[0] - known;
+        let mut accumulator = self.accumulator(turn, params.clone());
+        let good = self.run(&mut accumulator, self.at.passes);
+        let traced = accumulator.passes() > 0;
+        if good {
             self.put_aside(accumulator);
-        } else {
-            self.faulty.push(accumulator.epoch.params);
+        }
+        // Where it was not kept, or another had to go for it, the two would be traced in turn for ever.
+        if !good || traced && self.cache.size()[0] != others + 1 {
+            self.useless.push(params);
         }
     }
 

@@ -1,8 +1,14 @@
 //! Pictures that are left and come back to, beside each other and in the background.
 
+use super::Driver;
 use crate::brdf::{Model, Roughness};
+use crate::progressive::outlet::Outlet;
+use crate::progressive::session::Shared;
+use crate::progressive::turn::{Role, Turn};
+use crate::progressive::work::Workers;
 use crate::progressive::{Options, Params, Session, Snapshot, State, render};
 use crate::scene::{Camera, Material, SceneBuilder};
+use crossbeam_channel::bounded;
 use glam::DVec3;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -221,4 +227,36 @@ fn two_pictures_beside_each_other_keep_step() {
     // None beside itself.
     session.set_beside(Some(variants[1].clone())).unwrap();
     session.set_beside(None).unwrap();
+}
+
+/// A picture that turns out larger than was thought, or for which another has to go, would else be
+/// traced again and again for nothing.
+#[test]
+fn what_cannot_be_kept_is_not_traced_in_the_background_again() {
+    let mut b = SceneBuilder::new("so bright that sums are wide");
+    b.environment = [1e12; 3];
+    b.screen = [40, 30];
+    let params = Params::new(Arc::new(b.build()));
+    let other = Params { model: Model::Phong, ..params.clone() };
+    let shared = Arc::new(Shared::new(params.clone(), 8, options(0)));
+    let outlets = [(); 2].map(|()| {
+        let (sender, receiver) = bounded(1);
+        Outlet::new(sender, receiver, Box::new(|| ()))
+    });
+    let mut driver = Driver::new(Workers::new(options(0), shared, outlets).unwrap(), None);
+    driver.at.passes = 4;
+    let turn = Turn { role: Role::Background, epoch: 2, orders: 0 };
+    let guess = params.bytes();
+    driver.cache.set_limit(guess + guess / 8);
+    assert!(driver.cache.has_room_for(&params), "the guess has room");
+    driver.in_the_background(turn, params.clone());
+    assert_eq!(driver.cache.size(), [0, 0], "and what comes of it has not");
+    assert!(driver.useless == [params.clone()]);
+    // Room for one of two: the second takes the first one's.
+    driver.useless.clear();
+    driver.cache.set_limit(2 * guess);
+    driver.in_the_background(turn, params.clone());
+    assert!(driver.useless.is_empty() && driver.cache.passes(&params) == 4);
+    driver.in_the_background(turn, other.clone());
+    assert!(driver.useless == [other], "it has put the first one out");
 }
