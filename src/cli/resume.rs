@@ -100,6 +100,13 @@ fn end(args: &Args, experiment: &Experiment) -> Result<End, String> {
         let first = experiment.recipe().first_pass;
         end.saturating_sub(first).clamp(1, Session::MAX_PASSES)
     });
+    let (has, most) = (experiment.passes(), experiment.most_passes());
+    if let Some(passes) = args.passes.filter(|passes| (has + 1..most).contains(passes)) {
+        return Err(format!(
+            "{passes} passes are fewer than the {most} that a part of the picture has already, and \
+             samples cannot be taken back: give --passes {most} or more"
+        ));
+    }
     match args.passes.or(begun_for) {
         None if args.time.is_none() && args.error.is_none() => {
             Err("it was begun for a time or an error: give --passes, --time or --error".to_owned())

@@ -181,6 +181,12 @@ impl Experiment {
         self.recipe.passes
     }
 
+    /// The passes of the part of the picture that has most: more than [`Experiment::passes`], by 16 at
+    /// most, where it was ended within some that were traced at once.
+    pub fn most_passes(&self) -> u64 {
+        self.films.iter().map(Film::passes).max().unwrap_or(0)
+    }
+
     /// The recipe, without the error of the picture.
     pub fn recipe(&self) -> &Recipe {
         &self.recipe
