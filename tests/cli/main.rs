@@ -441,13 +441,18 @@ fn a_picture_that_is_wrong_on_purpose_says_so() {
 fn a_time_ends_a_render_and_keeps_what_is_done() {
     let folder = tempfile::tempdir().unwrap();
     let [png, stats] = ["a.png", "a.json"].map(|name| at(&folder, name));
-    must(&["render", "-o", &png, "--stats", &stats, "--size", "64x48", "--time", "0.5"]);
-    let j = json(&stats);
-    let (passes, seconds) = (j["passes"].as_f64().unwrap(), j["render_s"].as_f64().unwrap());
-    assert!(passes >= 1.0, "{j}");
-    assert!((0.3..10.0).contains(&seconds), "{j}");
-    assert!(j["paths"].as_f64().unwrap() >= passes * 64.0 * 48.0);
-    assert!(Path::new(&png).exists());
+    // Without a plan every pass is a sample of every pixel. Cells of a plan have theirs rounded to pairs of
+    // samples in either half of the replicates: four samples a pixel at most are ahead or behind.
+    for (more, behind) in [(&["--uniform"][..], 0.0), (&[], 4.0)] {
+        let limited = ["render", "-o", &png, "--stats", &stats, "--size", "64x48", "--time", "0.5"];
+        must(&[&limited[..], more].concat());
+        let j = json(&stats);
+        let (passes, seconds) = (j["passes"].as_f64().unwrap(), j["render_s"].as_f64().unwrap());
+        assert!(passes >= 1.0, "{j}");
+        assert!((0.3..10.0).contains(&seconds), "{j}");
+        assert!(j["paths"].as_f64().unwrap() >= (passes - behind) * 64.0 * 48.0, "{j}");
+        assert!(Path::new(&png).exists());
+    }
 }
 
 #[cfg(unix)]
