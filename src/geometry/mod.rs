@@ -200,6 +200,10 @@ impl Geometry {
         let (faces, i) = (&self.faces[..], primitive as usize);
         faces.get(i).map_or_else(|| self.materials[i - faces.len()], |face| face.material)
     }
+    /// Lowest and highest corner of a primitive, in local units.
+    pub fn bounds(&self, primitive: u32) -> [V3; 2] {
+        bvh::primitive_bounds(self, primitive)
+    }
     /// The corners of a triangle.
     #[inline(always)]
     pub fn corners(&self, triangle: usize) -> [V3; 3] {

@@ -11,6 +11,7 @@ mod camera;
 mod coinciding;
 mod doubles;
 mod first_hit;
+mod framing;
 mod material;
 mod normals;
 pub mod presets;

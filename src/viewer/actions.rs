@@ -7,7 +7,6 @@ use crate::viewer::keys::Action;
 use crate::viewer::panels::lobe::{Content, Export};
 use crate::viewer::panels::notice::Notice;
 use crate::viewer::panels::view::View;
-use crate::viewer::picture::orbit;
 use burnish::progressive::Recipe;
 use burnish::scene::Axis;
 use egui::{Context, ViewportCommand};
@@ -26,6 +25,7 @@ impl App {
             Action::Zoom => self.canvas.toggle_zoom(),
             Action::FullScreen => {
                 self.full_screen = !self.full_screen;
+                self.alone = self.full_screen;
                 ctx.send_viewport_cmd(ViewportCommand::Fullscreen(self.full_screen));
             }
             Action::Save => self.save(ctx),
@@ -37,9 +37,11 @@ impl App {
             Action::Compare => self.compare.on = !self.compare.on,
             Action::Tag => self.tag(),
             Action::CopyPicture => self.copy_picture(ctx),
+            Action::Dismiss => self.dismiss(ctx),
             Action::HidePanel => self.alone = !self.alone,
             Action::Export => self.export(ctx),
             Action::TurnUp => self.turn_up(ctx),
+            Action::Resume => self.resume(ctx),
             _ => self.edit(ctx, action),
         }
     }
@@ -56,9 +58,9 @@ impl App {
             Action::Darker => View::expose(document, -EXPOSURE_STEP),
             Action::Home => document.params.camera = document.params.scene.camera(),
             Action::Frame => {
-                let camera = &document.params.camera;
-                document.params.camera =
-                    orbit::framed(camera, document.subject(), document.aspect());
+                let (framed, aspect) = (document.framed(), document.aspect());
+                let params = &mut document.params;
+                params.camera = params.scene.framed(&params.camera, aspect, framed);
             }
             Action::Restart => {
                 document.paused = false;
@@ -79,6 +81,25 @@ impl App {
             }
             // Done without one.
             _ => {}
+        }
+    }
+
+    /// Ends one of what stands over the picture or keeps the panel away, what came last first.
+    fn dismiss(&mut self, ctx: &Context) {
+        if self.help.open {
+            self.help.open = false;
+        } else if self.open.is_shown() {
+            self.open.toggle();
+        } else if self.notice.is_some() {
+            self.notice = None;
+        } else if self.full_screen {
+            self.act(ctx, Action::FullScreen);
+        } else if self.alone {
+            self.alone = false;
+        } else if self.compare.on {
+            self.compare.on = false;
+        } else if let Some(document) = &mut self.document {
+            document.only_picked = false;
         }
     }
 
@@ -136,6 +157,13 @@ impl App {
             Ok(saving) => self.saving = Some(saving),
             Err(why) => self.notice = Some(Notice::error(why)),
         }
+    }
+
+    /// Goes on with the picture in the file that is compared with.
+    fn resume(&mut self, ctx: &Context) {
+        let file = self.compare.file.as_ref();
+        let Some(path) = file.and_then(|file| file.resumable.clone()) else { return };
+        self.start_resuming(ctx, path);
     }
 
     /// Whether a file is being written; then it is told, too.

@@ -2,13 +2,16 @@
 //! renderer what they changed. Knows egui, but not the window itself.
 
 use crate::viewer::document::Document;
+use crate::viewer::document::dropped::Dropped;
+use crate::viewer::document::exposures::Exposures;
 use crate::viewer::jobs::browse::{Browsing, Dialog, Picked};
 use crate::viewer::jobs::load::{Failed, Loaded, Loading, Source};
 use crate::viewer::jobs::reference::ReadingPicture;
+use crate::viewer::jobs::resume::{Resumed, Resuming};
 use crate::viewer::jobs::save::Saving;
 use crate::viewer::jobs::watch::Watch;
 use crate::viewer::keys::{self, Action};
-use crate::viewer::panels::compare::Compare;
+use crate::viewer::panels::compare::{Compare, Frozen};
 use crate::viewer::panels::controls::Controls;
 use crate::viewer::panels::energy::Energy;
 use crate::viewer::panels::help::Help;
@@ -28,15 +31,20 @@ use crate::viewer::picture::canvas::{Canvas, Hover};
 use crate::viewer::picture::versus::Versus;
 use crate::viewer::render::Render;
 use crate::viewer::settings::Settings;
+use crate::viewer::style::number_field;
 use crate::viewer::style::theme;
 use crate::viewer::style::widgets;
-use burnish::progressive::{Snapshot, State};
+use burnish::picture::Tone;
+use burnish::progressive::{ExperimentError, Snapshot, State};
 use burnish::scene::Axis;
 use egui::{
     Align2, Area, CentralPanel, Context, Frame, Id, Label, Margin, Order, Panel, RichText,
     ScrollArea, Ui, ViewportCommand, vec2,
 };
 use std::path::PathBuf;
+
+/// Seconds after which a window that has not grown is taken to have its size.
+const STANDS_STILL: f64 = 0.2;
 
 /// How the window begins.
 pub(super) struct Setup {
@@ -68,12 +76,15 @@ pub(super) struct App {
     pub(super) saving: Option<Saving>,
     /// A picture to compare with, being read.
     pub(super) reading: Option<ReadingPicture>,
+    /// A picture from a file that is to go on, being read.
+    pub(super) resuming: Option<Resuming>,
     pub(super) browsing: Option<Browsing>,
     dialog: Dialog,
     pub(super) notice: Option<Notice>,
     pub(super) canvas: Canvas,
-    /// Tone and goal here are those that the first scene begins with.
+    /// Curve and goal here are those that the first scene begins with.
     settings: Settings,
+    exposures: Exposures,
     /// While changed files are to be read again.
     pub(super) watch: Option<Watch>,
     controls: Controls,
@@ -99,6 +110,10 @@ pub(super) struct App {
     pub(super) up: Option<Axis>,
     /// Whether the picture has the window for itself.
     pub(super) alone: bool,
+    /// The room that a picture has, and since when, in egui's seconds, while the picture has not.
+    growing: Option<([u32; 2], f64)>,
+    /// Whether text was being typed in the frame before.
+    typed: bool,
     /// What the window's title says.
     title: String,
     /// Whether the canvas shows another picture than the one being traced.
@@ -118,11 +133,13 @@ impl App {
             missed: None,
             saving: None,
             reading: None,
+            resuming: None,
             browsing: None,
             dialog,
             notice: None,
             canvas: Canvas::new(),
             settings,
+            exposures: Exposures::default(),
             watch: None,
             controls: Controls,
             compare: Compare::new(),
@@ -143,6 +160,8 @@ impl App {
             full_screen: false,
             up: None,
             alone: false,
+            growing: None,
+            typed: false,
             title: String::new(),
             substituted: false,
         };
@@ -171,7 +190,14 @@ impl App {
         if let Some(result) = self.reading.as_ref().and_then(ReadingPicture::poll) {
             self.reading = None;
             match result {
-                Ok(frozen) => self.compare.take_file(frozen),
+                Ok(frozen) => self.compare_with(frozen),
+                Err(why) => self.notice = Some(Notice::error(why)),
+            }
+        }
+        if let Some(result) = self.resuming.as_ref().and_then(Resuming::poll) {
+            self.resuming = None;
+            match result {
+                Ok(resumed) => self.go_on(ctx, resumed),
                 Err(why) => self.notice = Some(Notice::error(why)),
             }
         }
@@ -193,12 +219,22 @@ impl App {
         }
     }
 
+    /// Compares with a picture from a file. One that follows the window takes on its size: pictures of
+    /// different sizes can't be compared.
+    fn compare_with(&mut self, frozen: Frozen) {
+        let size = frozen.snapshot.grid.size;
+        if let Some(document) = self.document.as_mut().filter(|d| d.follow) {
+            (document.follow, document.params.size) = (false, size);
+        }
+        self.compare.take_file(frozen);
+    }
+
     /// Draws the window and acts on the input.
     pub(super) fn ui(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
-        let mut actions = keys::pressed(&ctx, self.canvas.has_focus(&ctx));
+        let mut actions = keys::pressed(&ctx, self.canvas.has_focus(&ctx), self.typed);
         if self.help.open {
-            actions.retain(|action| *action == Action::Help);
+            actions.retain(|action| matches!(action, Action::Help | Action::Dismiss));
         }
         self.dropped(&ctx);
         if !self.alone {
@@ -223,10 +259,15 @@ impl App {
         }
         let ground = Frame::new().fill(theme::surround(ui.visuals()));
         CentralPanel::default().frame(ground).show(ui, |ui| self.picture(ui));
+        self.follow(&ctx);
         self.help.ui(ui);
         for action in actions {
             self.act(&ctx, action);
         }
+        if let Some(told) = number_field::told(&ctx) {
+            self.notice = Some(Notice::error(told));
+        }
+        self.typed = ctx.text_edit_focused();
         self.tell(&ctx);
         self.name_window(&ctx);
     }
@@ -256,6 +297,25 @@ impl App {
     pub(super) fn drawing_takes(&mut self, seconds: f32) {
         if let Some(render) = &mut self.render {
             render.drawing_takes(seconds);
+        }
+    }
+
+    /// Makes the picture as large as the window has room for, if it is to follow that: once the window
+    /// has stopped to grow, for each size is a picture of its own.
+    fn follow(&mut self, ctx: &Context) {
+        let room = self.canvas.room;
+        let Some(document) = self.document.as_mut().filter(|d| d.follow) else { return };
+        if document.params.size == room {
+            self.growing = None;
+            return;
+        }
+        let now = ctx.input(|i| i.time);
+        let since = self.growing.filter(|(size, _)| *size == room).map_or(now, |(_, at)| at);
+        self.growing = Some((room, since));
+        if now - since >= STANDS_STILL || self.canvas.is_empty() {
+            document.params.size = room;
+        } else {
+            ctx.request_repaint_after_secs(STANDS_STILL as f32);
         }
     }
 
@@ -321,12 +381,12 @@ impl App {
 
     /// What is to be remembered, but for the window's place.
     pub(super) fn settings(&self, ctx: &Context) -> Settings {
-        let (tone, goal) = match &self.document {
-            Some(document) => (document.tone, document.goal),
-            None => (self.settings.tone, self.settings.goal),
+        let (curve, goal, follow) = match &self.document {
+            Some(document) => (document.tone.curve, document.goal, document.follow),
+            None => (self.settings.curve, self.settings.goal, self.settings.follow),
         };
         let theme = ctx.options(|o| o.theme_preference);
-        Settings { theme, tone, goal, ..self.settings.clone() }
+        Settings { theme, curve, goal, follow, ..self.settings.clone() }
     }
 
     fn picture(&mut self, ui: &mut Ui) {
@@ -404,6 +464,9 @@ impl App {
         if !again && source != self.source {
             self.up = None;
         }
+        if let Some(path) = source.path().filter(|path| Resuming::is_for(path)) {
+            return self.start_resuming(ctx, path.to_path_buf());
+        }
         self.source = source.clone();
         match Loading::start(ctx, source, again, self.up) {
             Ok(loading) => self.loading = Some(loading),
@@ -435,28 +498,75 @@ impl App {
 
     /// Makes a scene that was read the one that is shown; the picture stays until its own comes.
     fn show(&mut self, ctx: &Context, loaded: Loaded) {
-        let first = (self.settings.tone, self.settings.goal);
-        let (source, again) = (loaded.source.clone(), loaded.again);
-        let document = Document::open(loaded, self.document.as_ref(), first);
+        let again = loaded.again;
+        let document = self.opened(loaded);
         let told = match &mut self.render {
-            Some(render) => render.tell(&document),
-            None => Render::start(ctx, &document, self.threads, self.settings.switching)
+            Some(render) => render.tell(&document).map_err(ExperimentError::from),
+            None => Render::start(ctx, &document, self.threads, self.settings.switching, None)
                 .map(|r| self.render = Some(r)),
         };
         match told {
-            Ok(()) => {
-                if let Some(path) = document.source.path() {
-                    self.settings.recent.add(path);
-                }
-                self.document = Some(document);
-                // Another scene that is still waited for is not forgotten, nor what is wrong in it.
-                self.missed = self.missed.take().filter(|m| again && m.source != source);
-                let waits = |n: &Notice| self.missed.as_ref().is_some_and(|m| m.why == n.text);
-                self.notice = self.notice.take().filter(waits);
+            Ok(()) => self.adopt(document, again),
+            Err(why) => self.notice = Some(Notice::error(why.to_string())),
+        }
+        self.look_after(ctx);
+    }
+
+    /// Reads a picture that is to go on. Its scene may be one that was opened before.
+    pub(super) fn start_resuming(&mut self, ctx: &Context, path: PathBuf) {
+        let shown = self.document.as_ref().and_then(|d| d.source.path()).map(|p| p.to_path_buf());
+        let recent = self.settings.recent.paths().iter().cloned();
+        match Resuming::start(ctx, path, shown.into_iter().chain(recent).collect()) {
+            Ok(resuming) => self.resuming = Some(resuming),
+            Err(why) => self.notice = Some(Notice::error(why)),
+        }
+    }
+
+    /// Goes on with a picture from a file.
+    fn go_on(&mut self, ctx: &Context, resumed: Resumed) {
+        let Resumed { loaded, params, experiment, passes } = resumed;
+        let sums = experiment.is_some();
+        self.source = loaded.source.clone();
+        let mut document = self.opened(loaded);
+        document.go_on(params, passes);
+        let switching = self.settings.switching;
+        match Render::start(ctx, &document, self.threads, switching, experiment) {
+            Ok(render) => {
+                self.replace_render(render);
+                self.adopt(document, false);
+                self.compare.on = false;
+                let how = if sums { "Goes on after" } else { "Traced again, to go on after" };
+                self.notice = Some(Notice::news(format!("{how} {passes} passes")));
             }
             Err(why) => self.notice = Some(Notice::error(why.to_string())),
         }
         self.look_after(ctx);
+    }
+
+    /// The document of a scene that was read.
+    fn opened(&mut self, loaded: Loaded) -> Document {
+        if let Some(before) = &self.document {
+            self.exposures.note(&before.source, before.tone.exposure);
+        }
+        let tone = Tone { exposure: self.exposures.of(&loaded.source), curve: self.settings.curve };
+        let first = (tone, self.settings.goal, self.settings.follow);
+        let mut document = Document::open(loaded, self.document.as_ref(), first);
+        if document.follow {
+            document.params.size = self.canvas.room;
+        }
+        document
+    }
+
+    /// Shows this document from now on.
+    fn adopt(&mut self, document: Document, again: bool) {
+        if let Some(path) = document.source.path() {
+            self.settings.recent.add(path);
+        }
+        // Another scene that is still waited for is not forgotten, nor what is wrong in it.
+        self.missed = self.missed.take().filter(|m| again && m.source != document.source);
+        let waits = |n: &Notice| self.missed.as_ref().is_some_and(|m| m.why == n.text);
+        self.notice = self.notice.take().filter(waits);
+        self.document = Some(document);
     }
 
     /// Tells why there is no scene. What was shown stays, and is looked after as before. All that
@@ -516,21 +626,32 @@ impl App {
     /// Other workers for the same document. The old ones end in the background, with their tile.
     fn set_threads(&mut self, ctx: &Context, threads: usize) {
         let Some(document) = &self.document else { return };
-        match Render::start(ctx, document, threads, self.settings.switching) {
+        match Render::start(ctx, document, threads, self.settings.switching, None) {
             Ok(render) => {
                 self.threads = threads;
-                let old = self.render.replace(render);
-                // Without a thread for it they are waited for here.
-                let _ = std::thread::Builder::new().spawn(move || drop(old));
+                self.replace_render(render);
             }
             Err(why) => self.notice = Some(Notice::error(why.to_string())),
         }
     }
 
+    fn replace_render(&mut self, render: Render) {
+        let old = self.render.replace(render);
+        // Without a thread for it its workers are waited for here.
+        let _ = std::thread::Builder::new().spawn(move || drop(old));
+    }
+
     fn dropped(&mut self, ctx: &Context) {
-        let dropped = ctx.input(|i| i.raw.dropped_files.first().map(|f| f.path().to_path_buf()));
-        if let Some(path) = dropped {
+        let dropped = ctx.input(|i| {
+            i.raw.dropped_files.iter().map(|f| f.path().to_path_buf()).collect::<Vec<_>>()
+        });
+        let Dropped { scene, picture, left } = Dropped::sorted(dropped);
+        for path in [scene, picture].into_iter().flatten() {
             self.load(ctx, Source::File(path), false);
+        }
+        if !left.is_empty() {
+            let names = left.join(", ");
+            self.notice = Some(Notice::news(format!("Left alone of what was dropped: {names}")));
         }
     }
 

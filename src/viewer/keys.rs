@@ -33,10 +33,13 @@ pub(super) enum Action {
     Undo,
     Redo,
     Help,
+    Dismiss,
     Quit,
     /// What a panel has ready for a file or the clipboard goes there. It has buttons of its own and
     /// no key.
     Export,
+    /// Goes on with the picture in the file that is compared with. It has a button under "Compare".
+    Resume,
 }
 
 /// One line of the table.
@@ -165,8 +168,9 @@ pub(super) const TABLE: &[Binding] = &[
         action: Action::Frame,
         keys: &[plain(Key::F)],
         name: "Frame",
-        does: "Frame the whole scene",
-        tip: "Moves the camera back or forth until the whole scene is seen, in the same direction.",
+        does: "Frame the selected surfaces or the scene",
+        tip: "Moves the camera until the surfaces of the selected material are seen, or without one the \
+              whole scene, in the same direction. A camera in a closed room stays in it.",
     },
     Binding {
         action: Action::Home,
@@ -244,8 +248,8 @@ pub(super) const TABLE: &[Binding] = &[
         action: Action::FullScreen,
         keys: &[plain(Key::F11)],
         name: "Full screen",
-        does: "Full screen",
-        tip: "Fills the screen with the window, or goes back.",
+        does: "Full screen, the picture alone",
+        tip: "Fills the screen with the picture, or goes back. N shows the panel there, too.",
     },
     Binding {
         action: Action::Undo,
@@ -269,17 +273,26 @@ pub(super) const TABLE: &[Binding] = &[
         tip: "Shows or hides the list of keys.",
     },
     Binding {
+        action: Action::Dismiss,
+        keys: &[plain(Key::Escape)],
+        name: "Dismiss",
+        does: "Dismiss what stands over the picture",
+        tip: "Closes the help or the line of the path, takes the message away, leaves the full screen, \
+              the picture alone or the comparison, lets go of the selected material: the first of \
+              these that there is.",
+    },
+    Binding {
         action: Action::Quit,
         keys: &[command(Key::Q)],
         name: "Quit",
         does: "Close the window",
-        tip: "Closes the window. Colours, exposure, goal and recent scenes are remembered.",
+        tip: "Closes the window. Colours, curve, goal and recent scenes are remembered.",
     },
 ];
 
 /// What the mouse does over the picture, for the help.
 pub(super) const MOUSE: &[(&str, &str)] = &[
-    ("Left drag", "Orbit the camera"),
+    ("Left drag", "Orbit about the surface under the pointer"),
     ("Middle or Shift drag", "Pan the camera"),
     ("Wheel", "Dolly: nearer or farther"),
     ("Click", "Pick the material, or all"),
@@ -316,11 +329,13 @@ pub(super) fn tooltip(ctx: &Context, action: Action) -> String {
     format!("{}\nKey: {}", binding.tip, keys_text(ctx, binding))
 }
 
-/// Takes the actions asked for by key out of the input. None while text is being typed, and no
-/// Space while it would press the focused widget.
-pub(super) fn pressed(ctx: &Context, picture_has_focus: bool) -> Vec<Action> {
+/// Takes the actions asked for by key out of the input. None while text is being typed, no Space while
+/// it would press the focused widget, and no Escape that closes a menu or leaves a text, `typed` in the
+/// frame before.
+pub(super) fn pressed(ctx: &Context, picture_has_focus: bool, typed: bool) -> Vec<Action> {
     let mut actions = Vec::new();
     let typing = ctx.text_edit_focused();
+    let elsewhere = typed || egui::Popup::is_any_open(ctx);
     let focused = ctx.memory(|m| m.focused().is_some()) && !picture_has_focus;
     let mut bindings: Vec<(&KeyboardShortcut, Action)> =
         TABLE.iter().flat_map(|b| b.keys.iter().map(|k| (k, b.action))).collect();
@@ -340,6 +355,9 @@ pub(super) fn pressed(ctx: &Context, picture_has_focus: bool) -> Vec<Action> {
             let alone = !shortcut.modifiers.command && shortcut.logical_key != Key::F11;
             // A text that is being typed has an undo of its own.
             let of_text = alone || matches!(action, Action::Undo | Action::Redo);
+            if elsewhere && action == Action::Dismiss {
+                continue;
+            }
             if (typing && of_text) || (focused && shortcut.logical_key == Key::Space) {
                 continue;
             }

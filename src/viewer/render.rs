@@ -5,7 +5,10 @@ use crate::viewer::document::Document;
 use crate::viewer::document::goal::{Goal, Stop};
 use crate::viewer::settings::Switching;
 use burnish::brdf::Model;
-use burnish::progressive::{KeptPictures, Options, Params, ParamsError, Session, Snapshot, State};
+use burnish::progressive::{
+    Experiment, ExperimentError, KeptPictures, Options, Params, ParamsError, Session, Snapshot,
+    State,
+};
 use egui::Context;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -56,13 +59,15 @@ pub(super) struct Render {
 }
 
 impl Render {
-    /// Starts `threads` workers (0 for one a core) on the document.
+    /// Starts `threads` workers (0 for one a core) on the document, which may go on with an experiment of
+    /// its parameters.
     pub(super) fn start(
         ctx: &Context,
         document: &Document,
         threads: usize,
         switching: Switching,
-    ) -> Result<Render, ParamsError> {
+        begin: Option<Experiment>,
+    ) -> Result<Render, ExperimentError> {
         let ctx_time = ctx.input(|i| i.time);
         let awaited = Arc::new(AtomicBool::new(true));
         let (at_once, ctx) = (awaited.clone(), ctx.clone());
@@ -78,7 +83,13 @@ impl Render {
         let told = document.params.clone();
         let (goal, limit) = (document.goal, document.goal.limit(0, None));
         let options = Options { keep: switching.keep << 20, ..Options::interactive(threads) };
-        let session = Session::with_options(told.clone(), limit, options, notify)?;
+        let session = match begin {
+            Some(begin) => {
+                let scene = told.scene.clone();
+                Session::with_experiment(begin, scene, limit, options, notify)?
+            }
+            None => Session::with_options(told.clone(), limit, options, notify)?,
+        };
         let mut render = Render {
             session,
             told,

@@ -3,7 +3,7 @@
 
 use crate::viewer::document::goal::{Goal, Stop};
 use crate::viewer::document::recent::Recent;
-use burnish::picture::{Curve, Tone, replace_file};
+use burnish::picture::{Curve, replace_file};
 use egui::ThemePreference;
 use serde_json::{Map, Value, json};
 use std::fs;
@@ -14,9 +14,12 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Settings {
     pub(super) theme: ThemePreference,
-    pub(super) tone: Tone,
+    /// Exposure belongs to the scene.
+    pub(super) curve: Curve,
     pub(super) goal: Goal,
     pub(super) recent: Recent,
+    /// Whether the picture is as large as the window has room for.
+    pub(super) follow: bool,
     /// Whether changed files are read again.
     pub(super) watch: bool,
     pub(super) switching: Switching,
@@ -62,9 +65,10 @@ impl Default for Settings {
     fn default() -> Settings {
         Settings {
             theme: ThemePreference::System,
-            tone: Tone { exposure: 0.0, curve: Curve::Neutral },
+            curve: Curve::Neutral,
             goal: Goal::default(),
             recent: Recent::default(),
+            follow: true,
             watch: true,
             switching: Switching::default(),
             place: Place::default(),
@@ -115,14 +119,7 @@ impl Settings {
         let recent = file.get("recent").and_then(Value::as_array).into_iter().flatten();
         Settings {
             theme: theme.map_or(first.theme, |(theme, _)| *theme),
-            tone: Tone {
-                exposure: number(
-                    "exposure",
-                    crate::viewer::panels::view::View::STOPS.map(f64::from),
-                )
-                .map_or(first.tone.exposure, |x| x as f32),
-                curve: curve.unwrap_or(first.tone.curve),
-            },
+            curve: curve.unwrap_or(first.curve),
             goal: Goal {
                 stop: stop.unwrap_or(first.goal.stop),
                 passes: passes
@@ -132,6 +129,7 @@ impl Settings {
                 seconds: number("seconds", Goal::SECONDS).unwrap_or(first.goal.seconds),
             },
             recent: Recent::new(recent.filter_map(Value::as_str).map(PathBuf::from)),
+            follow: file.get("follow").and_then(Value::as_bool).unwrap_or(first.follow),
             watch: file.get("watch").and_then(Value::as_bool).unwrap_or(first.watch),
             switching: Switching {
                 keep: whole("keep", Switching::KEEP).unwrap_or(first.switching.keep),
@@ -154,13 +152,13 @@ impl Settings {
         let recent: Vec<&str> = self.recent.paths().iter().filter_map(|p| p.to_str()).collect();
         let value = json!({
             "theme": theme,
-            "exposure": self.tone.exposure,
-            "curve": self.tone.curve.name(),
+            "curve": self.curve.name(),
             "stop": self.goal.stop.title(),
             "passes": self.goal.passes,
             "error": self.goal.error,
             "seconds": self.goal.seconds,
             "recent": recent,
+            "follow": self.follow,
             "watch": self.watch,
             "keep": self.switching.keep,
             "refine": self.switching.refine,
@@ -198,9 +196,10 @@ mod tests {
     fn changed() -> Settings {
         Settings {
             theme: ThemePreference::Light,
-            tone: Tone { exposure: -1.5, curve: Curve::Filmic },
+            curve: Curve::Filmic,
             goal: Goal { stop: Stop::Error, passes: 77, error: 0.02, seconds: 5.5 },
             recent: Recent::new(["/a/b.scn".into(), "/c d.obj".into()]),
+            follow: false,
             watch: false,
             switching: Switching { keep: 77, refine: false, hold: 16 },
             place: Place { size: Some([900.0, 700.5]), position: Some([-20.0, 30.0]) },
@@ -233,13 +232,14 @@ mod tests {
         assert_eq!(Settings::read(&path), Settings::default());
         let whole: Value = serde_json::from_str(&changed().text()).unwrap();
         for (name, bad) in [
-            ("exposure", json!(1e9)),
+            ("curve", json!("neon")),
             ("passes", json!(0)),
             ("error", json!("small")),
             ("seconds", json!(-1)),
             ("keep", json!(1u64 << 40)),
             ("refine", json!(1)),
             ("hold", json!(-1)),
+            ("follow", json!("yes")),
             ("recent", json!([1, null, "/a/b.scn", "/c d.obj"])),
             ("size", json!([1, 2, 3])),
             ("unknown", json!({})),
@@ -251,11 +251,12 @@ mod tests {
             let first = Settings::default();
             let mut expected = changed();
             match name {
-                "exposure" => expected.tone.exposure = first.tone.exposure,
+                "curve" => expected.curve = first.curve,
                 "passes" => expected.goal.passes = first.goal.passes,
                 "error" => expected.goal.error = first.goal.error,
                 "keep" => expected.switching.keep = first.switching.keep,
                 "refine" => expected.switching.refine = first.switching.refine,
+                "follow" => expected.follow = first.follow,
                 "hold" => expected.switching.hold = first.switching.hold,
                 "seconds" => expected.goal.seconds = first.goal.seconds,
                 "size" => expected.place.size = None,

@@ -1,19 +1,22 @@
 //! What the window shows and what its controls change: the one truth that all panels share.
 
 pub(crate) mod command;
+pub(crate) mod dropped;
+pub(crate) mod exposures;
 pub(crate) mod goal;
 pub(crate) mod history;
 pub(crate) mod recent;
 
-use crate::viewer::document::goal::Goal;
+use crate::viewer::document::goal::{Goal, Stop};
 use crate::viewer::document::history::{History, State};
 use crate::viewer::jobs::load::{Loaded, Source};
 use crate::viewer::jobs::watch::Stamp;
 use crate::viewer::picture::orbit::Subject;
 use burnish::brdf::Roughness;
 use burnish::picture::Tone;
-use burnish::progressive::{Params, Session};
+use burnish::progressive::Params;
 use burnish::scene::{FirstHit, Material, MaterialId, Report};
+use glam::DVec3;
 use std::sync::Arc;
 
 /// A scene with everything that can be set about it. Panels change it; the app then tells the
@@ -33,6 +36,8 @@ pub(crate) struct Document {
     pub(crate) goal: Goal,
     pub(crate) paused: bool,
     pub(crate) tone: Tone,
+    /// Whether the picture is as large as the window has room for.
+    pub(crate) follow: bool,
     /// The material last picked.
     pub(crate) picked: Option<MaterialId>,
     /// Whether the roughness is that of the picked material or that of all.
@@ -48,6 +53,7 @@ struct Settings {
     params: Params,
     tone: Tone,
     goal: Goal,
+    follow: bool,
 }
 
 impl State for Settings {
@@ -60,7 +66,8 @@ impl State for Settings {
         let parts = [
             !same,
             now.camera != was.camera,
-            now.size != was.size,
+            // What the window's size does is no step of its own.
+            self.follow != from.follow || (now.size != was.size && !self.follow),
             now.seed != was.seed,
             self.tone.exposure != from.tone.exposure,
             Goal { stop: from.goal.stop, ..self.goal } != from.goal,
@@ -88,13 +95,13 @@ pub(crate) enum Shown {
 }
 
 impl Document {
-    /// A scene as it was read. Model, method, goal and tone stay those of the scene before, of
-    /// which the first has none; and so does a camera that was moved when the same scene is read
-    /// again.
+    /// A scene as it was read, with its own exposure. Model, method, goal and curve stay those of the
+    /// scene before, of which the first has none; and so does a camera that was moved when the same
+    /// scene is read again.
     pub(crate) fn open(
         loaded: Loaded,
         before: Option<&Document>,
-        (tone, goal): (Tone, Goal),
+        (tone, goal, follow): (Tone, Goal, bool),
     ) -> Document {
         let mut params = Params::new(loaded.scene);
         if let Some(before) = before {
@@ -107,10 +114,12 @@ impl Document {
                 params.camera = before.params.camera;
             }
         }
-        let (tone, goal) = before.map_or((tone, goal), |b| (b.tone, b.goal));
+        let (curve, goal) = before.map_or((tone.curve, goal), |b| (b.tone.curve, b.goal));
+        let tone = Tone { curve, ..tone };
         let same = before.filter(|b| loaded.again && loaded.source == b.source);
         let asked = same.and_then(|b| b.asked);
-        let settings = Settings { params: params.clone(), tone, goal };
+        let follow = before.map_or(follow, |b| b.follow);
+        let settings = Settings { params: params.clone(), tone, goal, follow };
         Document {
             params,
             source: loaded.source,
@@ -120,6 +129,7 @@ impl Document {
             goal,
             paused: false,
             tone,
+            follow,
             picked: None,
             only_picked: false,
             asked,
@@ -127,9 +137,38 @@ impl Document {
         }
     }
 
+    /// Is of these parameters from now on, to as many passes at least.
+    pub(crate) fn go_on(&mut self, params: Params, passes: u64) {
+        self.params = params;
+        self.goal.stop = Stop::Passes;
+        self.goal.passes = self.goal.passes.max(passes);
+        self.follow = false;
+        self.history = History::new(self.settings());
+    }
+
     /// What the camera moves about.
     pub(crate) fn subject(&self) -> Subject {
         Subject::new(self.params.scene.focus())
+    }
+
+    /// What is framed: the surfaces of the picked material, or else all there is to look at.
+    pub(crate) fn framed(&self) -> [DVec3; 2] {
+        let picked = self.picked.filter(|_| self.only_picked);
+        let scene = &self.params.scene;
+        picked.and_then(|material| scene.bounds_of(material)).unwrap_or_else(|| scene.focus())
+    }
+
+    /// What the keys turn the camera about: the middle of the picked material's surfaces, or straight
+    /// ahead.
+    pub(crate) fn pivot(&self) -> DVec3 {
+        let camera = &self.params.camera;
+        let picked = self.picked.filter(|_| self.only_picked);
+        let ahead = |centre: &DVec3| (camera.eye - *centre).dot(camera.axes()[2]) > 0.0;
+        picked
+            .and_then(|material| self.params.scene.bounds_of(material))
+            .map(|[low, high]| (low + high) * 0.5)
+            .filter(ahead)
+            .unwrap_or_else(|| self.subject().pivot(camera))
     }
 
     /// Width over height of the picture.
@@ -137,8 +176,9 @@ impl Document {
         f64::from(self.params.size[0]) / f64::from(self.params.size[1].max(1))
     }
 
+    #[cfg(test)]
     pub(crate) fn set_limit(&mut self, passes: u64) {
-        self.goal.passes = passes.clamp(1, Session::MAX_PASSES);
+        self.goal.passes = passes.clamp(1, burnish::progressive::Session::MAX_PASSES);
     }
 
     /// Picks a material, or none: then the roughness is that of all.
@@ -238,8 +278,13 @@ impl Document {
 
     /// Takes note of changes for undo: at `now` seconds, the pointer being `down` or not.
     pub(crate) fn note(&mut self, now: f64, down: bool) {
-        let settings = Settings { params: self.params.clone(), tone: self.tone, goal: self.goal };
+        let settings = self.settings();
         self.history.note(&settings, now, down);
+    }
+
+    fn settings(&self) -> Settings {
+        let Document { tone, goal, follow, .. } = *self;
+        Settings { params: self.params.clone(), tone, goal, follow }
     }
 
     /// Goes one change back. False when there is none.
@@ -263,8 +308,10 @@ impl Document {
     }
 
     fn restore(&mut self, settings: Option<Settings>) -> bool {
-        let Some(Settings { params, tone, goal }) = settings else { return false };
-        (self.params, self.tone, self.goal) = (params, tone, goal);
+        let Some(Settings { params, tone, goal, follow }) = settings else { return false };
+        let size = if follow && self.follow { self.params.size } else { params.size };
+        self.params = Params { size, ..params };
+        (self.tone, self.goal, self.follow) = (tone, goal, follow);
         true
     }
 

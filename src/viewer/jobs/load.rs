@@ -121,7 +121,8 @@ impl Loading {
     }
 }
 
-fn build(source: Source, again: bool, up: Option<Axis>) -> Result<Loaded, Failed> {
+/// Reads it here and now.
+pub(crate) fn build(source: Source, again: bool, up: Option<Axis>) -> Result<Loaded, Failed> {
     let (read, files) = match &source {
         Source::Example(example) => (example.read(), Vec::new()),
         Source::File(path) => {

@@ -4,5 +4,6 @@ pub(crate) mod background;
 pub(crate) mod browse;
 pub(crate) mod load;
 pub(crate) mod reference;
+pub(crate) mod resume;
 pub(crate) mod save;
 pub(crate) mod watch;

@@ -2,7 +2,7 @@
 
 use crate::viewer::panels::compare::Frozen;
 use crate::viewer::picture::frozen;
-use burnish::picture::read_exr_part;
+use burnish::picture::{read_exr_part, read_recipe};
 use egui::Context;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -51,5 +51,7 @@ impl ReadingPicture {
 fn read(path: &Path) -> Result<Frozen, String> {
     let read = read_exr_part(path, None).map_err(|e| e.to_string())?;
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-    Ok(Frozen { name, snapshot: frozen::snapshot(&read.picture) })
+    let recipe = read_recipe(path).ok().flatten();
+    let resumable = recipe.map(|_| path.to_path_buf());
+    Ok(Frozen { name, snapshot: frozen::snapshot(&read.picture), resumable })
 }

@@ -6,6 +6,7 @@ use crate::viewer::jobs::background::Background;
 use crate::viewer::keys::{self, Action};
 use crate::viewer::picture::difference::{self, Answer, Question};
 use crate::viewer::style::labels;
+use crate::viewer::style::number_field::{NumberField, Written};
 use crate::viewer::style::numbers::{digits, percent};
 use crate::viewer::style::theme;
 use crate::viewer::style::widgets::{self, Weight};
@@ -13,6 +14,7 @@ use burnish::brdf::{Model, Roughness};
 use burnish::measure::match_roughness::{Criterion, Match, match_roughness};
 use burnish::progressive::{Params, Snapshot};
 use egui::{ComboBox, Ui};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// How two pictures are laid out.
@@ -120,6 +122,8 @@ impl Second {
 pub(crate) struct Frozen {
     pub(crate) name: String,
     pub(crate) snapshot: Snapshot,
+    /// The file that can be gone on with, if it is such a one.
+    pub(crate) resumable: Option<PathBuf>,
 }
 
 pub(crate) struct Compare {
@@ -178,7 +182,7 @@ impl Compare {
 
     /// Takes a picture that others are to be compared with.
     pub(crate) fn take_tag(&mut self, name: String, snapshot: Snapshot) {
-        self.tag = Some(Frozen { name, snapshot });
+        self.tag = Some(Frozen { name, snapshot, resumable: None });
     }
 
     /// Compares with this picture from now on.
@@ -321,6 +325,12 @@ impl Compare {
             if let Some(i) = widgets::button_row(ui, &entries) {
                 actions.push(buttons[i]);
             }
+            if self.file.as_ref().is_some_and(|file| file.resumable.is_some()) {
+                let entry = (labels::RESUME.name, labels::RESUME.tip.to_owned(), true);
+                if widgets::button_row(ui, &[entry]).is_some() {
+                    actions.push(Action::Resume);
+                }
+            }
             self.verdict(ui);
         });
     }
@@ -373,11 +383,16 @@ impl Compare {
                 });
             menu.response.labelled_by(label).on_hover_text(labels::SECOND.tip);
             if other {
-                let [low, high] = Roughness::ALPHA;
-                let speed = 0.01 * self.alpha;
-                let size = egui::vec2(80.0, ui.spacing().interact_size.y);
-                let field = widgets::number(&mut self.alpha, 4).range(low..=high).speed(speed);
-                ui.add_sized(size, field)
+                let field = NumberField {
+                    name: labels::OTHER_ALPHA.name,
+                    range: Roughness::ALPHA,
+                    speed: 0.01 * self.alpha,
+                    written: Written::Digits(4),
+                    unit: "",
+                    size: egui::vec2(80.0, ui.spacing().interact_size.y),
+                };
+                field
+                    .ui(ui, &mut self.alpha)
                     .accessible_name(labels::OTHER_ALPHA.name)
                     .on_hover_text(labels::OTHER_ALPHA.tip);
             }

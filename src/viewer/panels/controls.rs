@@ -4,13 +4,15 @@ use crate::viewer::document::goal::{Goal, Stop};
 use crate::viewer::document::{Document, Shown};
 use crate::viewer::keys::{self, Action};
 use crate::viewer::panels::energy::Energy;
-use crate::viewer::style::labels::{self, Control};
+use crate::viewer::style::labels;
+use crate::viewer::style::number_field::{NumberField, Written};
 use crate::viewer::style::numbers::digits;
+use crate::viewer::style::subscript;
 use crate::viewer::style::theme;
 use crate::viewer::style::widgets::{self, Weight};
 use burnish::brdf::{Model, Roughness};
 use burnish::progressive::Session;
-use egui::{Button, DragValue, RichText, Slider, Ui};
+use egui::{Button, Response, RichText, Slider, TextStyle, Ui};
 
 pub(crate) struct Controls;
 
@@ -44,7 +46,8 @@ fn roughness(ui: &mut Ui, document: &mut Document, energy: &mut Energy) {
     let mut reset = false;
     let label = ui
         .horizontal(|ui| {
-            let label = ui.label(labels::ROUGHNESS.name).on_hover_text(labels::ROUGHNESS.tip);
+            let label = ui.label(labels::ROUGHNESS.name);
+            let label = label.on_hover_text(subscript::tip(ui, labels::ROUGHNESS.tip));
             if let Shown::Mixed(_) = shown {
                 let [low, high] = document.alphas();
                 let words = format!("mixed, {} to {}", digits(low, 3), digits(high, 3));
@@ -61,11 +64,36 @@ fn roughness(ui: &mut Ui, document: &mut Document, energy: &mut Energy) {
             label
         })
         .inner;
-    let (Shown::Same(value) | Shown::Mixed(value)) = shown else {
-        ui.weak("No specular lobe here (Ks = 0): roughness has no effect.");
-        applies_to(ui, document);
+    // Without a lobe all stays in its place, or what is below would move under the pointer.
+    let value = match shown {
+        Shown::Same(value) | Shown::Mixed(value) => Some(value),
+        Shown::None => None,
+    };
+    let any = document.picked_material().or(document.params.materials.first());
+    let Some(idle) = value.or(any.map(|material| material.roughness)) else {
+        ui.weak("No materials: nothing has a roughness");
         return;
     };
+    let fields = |ui: &mut Ui| slider(ui, &label, idle);
+    let wanted = ui.add_enabled_ui(value.is_some(), fields).inner;
+    match value {
+        Some(value) => energy.of_lobe(ui, document.params.model, value),
+        None => {
+            let words = "No specular lobe here (Ks = 0): roughness has no effect";
+            ui.label(RichText::new(words).weak().small());
+        }
+    }
+    if let Some(roughness) = wanted.filter(|_| value.is_some()) {
+        document.set_roughness(roughness);
+    }
+    if reset {
+        document.reset_roughness();
+    }
+    applies_to(ui, document);
+}
+
+/// The slider and the two fields; the roughness that they are set to, once they are.
+fn slider(ui: &mut Ui, label: &Response, value: Roughness) -> Option<Roughness> {
     let mut wanted = None;
     let [low, high] = Roughness::ALPHA;
     let mut alpha = value.alpha();
@@ -79,31 +107,34 @@ fn roughness(ui: &mut Ui, document: &mut Document, energy: &mut Energy) {
         let width = (ui.available_width() - widgets::text_width(ui, name)) / 2.0 - theme::GAP;
         let size = egui::vec2(width, ui.spacing().interact_size.y);
         let mut alpha = value.alpha();
-        let field = widgets::number(&mut alpha, 4)
-            .range(low..=high)
-            .speed(0.01 * value.alpha())
-            .min_size(size);
-        if ui.add_sized(size, field).labelled_by(label).on_hover_text(tip).changed() {
+        let field = NumberField {
+            name: labels::ALPHA.name,
+            range: Roughness::ALPHA,
+            speed: 0.01 * value.alpha(),
+            written: Written::Digits(4),
+            unit: "",
+            size,
+        };
+        if field.ui(ui, &mut alpha).labelled_by(label).on_hover_text(tip).changed() {
             wanted = Roughness::from_alpha(alpha).ok();
         }
-        let tip = labels::A_P.tip;
-        let label = ui.label(name).on_hover_text(tip).id;
-        let [low, high] = Roughness::EXPONENT;
+        let tip = subscript::tip(ui, labels::A_P.tip);
+        let colour = ui.visuals().text_color();
+        let label = subscript::label(ui, TextStyle::Body, colour).on_hover_text(tip.clone()).id;
         let mut exponent = value.exponent();
-        let speed = 0.01 * (value.exponent() + 2.0);
-        let field = widgets::number(&mut exponent, 4).range(low..=high).speed(speed).min_size(size);
-        if ui.add_sized(size, field).labelled_by(label).on_hover_text(tip).changed() {
+        let field = NumberField {
+            name,
+            range: Roughness::EXPONENT,
+            speed: 0.01 * (value.exponent() + 2.0),
+            written: Written::Digits(4),
+            unit: "",
+            size,
+        };
+        if field.ui(ui, &mut exponent).labelled_by(label).on_hover_text(tip).changed() {
             wanted = Roughness::from_exponent(exponent).ok();
         }
     });
-    energy.of_lobe(ui, document.params.model, value);
-    if let Some(roughness) = wanted {
-        document.set_roughness(roughness);
-    }
-    if reset {
-        document.reset_roughness();
-    }
-    applies_to(ui, document);
+    wanted
 }
 
 /// Whether the roughness is that of all materials or of the picked one.
@@ -136,43 +167,40 @@ fn stop_at(ui: &mut Ui, document: &mut Document) {
     });
     let goal = &mut document.goal;
     let chosen = goal.stop;
-    match chosen {
-        Stop::Passes => {
-            let mut passes = goal.passes;
-            let speed = (passes as f64 * 0.01).max(0.2);
-            let field = DragValue::new(&mut passes).range(1..=Session::MAX_PASSES).speed(speed);
-            if limit(ui, &chosen.limit(), field) {
-                document.set_limit(passes);
+    let control = chosen.limit();
+    let mut field = NumberField {
+        name: control.name,
+        range: [1.0, Session::MAX_PASSES as f64],
+        speed: 1.0,
+        written: Written::Whole,
+        unit: "",
+        size: egui::Vec2::ZERO,
+    };
+    widgets::field(ui, &control, |ui, label| {
+        field.size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+        let response = match chosen {
+            Stop::Passes => {
+                field.speed = (goal.passes as f64 * 0.01).max(0.2);
+                field.whole(ui, &mut goal.passes)
             }
-        }
-        Stop::Error => {
-            let [low, high] = Goal::ERROR.map(|e| 100.0 * e);
-            let mut percent = 100.0 * goal.error;
-            let speed = 0.01 * percent;
-            let field = widgets::number(&mut percent, 3).range(low..=high).speed(speed);
-            if limit(ui, &chosen.limit(), field.suffix(" %")) {
-                goal.error = percent / 100.0;
+            Stop::Error => {
+                let mut percent = 100.0 * goal.error;
+                (field.range, field.speed) = (Goal::ERROR.map(|e| 100.0 * e), 0.01 * percent);
+                (field.written, field.unit) = (Written::Digits(3), " %");
+                let response = field.ui(ui, &mut percent);
+                if response.changed() {
+                    goal.error = percent / 100.0;
+                }
+                response
             }
-        }
-        Stop::Time => {
-            let [low, high] = Goal::SECONDS;
-            let mut seconds = goal.seconds;
-            let speed = 0.01 * seconds;
-            let field = widgets::number(&mut seconds, 4).range(low..=high).speed(speed);
-            if limit(ui, &chosen.limit(), field.suffix(" s")) {
-                goal.seconds = seconds;
+            Stop::Time => {
+                (field.range, field.speed) = (Goal::SECONDS, 0.01 * goal.seconds);
+                (field.written, field.unit) = (Written::Digits(4), " s");
+                field.ui(ui, &mut goal.seconds)
             }
-        }
-    }
-}
-
-/// A figure over the whole width; whether it was changed.
-fn limit(ui: &mut Ui, control: &Control, field: DragValue<'_>) -> bool {
-    widgets::field(ui, control, |ui, label| {
-        let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
-        let field = field.update_while_editing(false).min_size(size);
-        ui.add_sized(size, field).labelled_by(label).on_hover_text(control.tip).changed()
-    })
+        };
+        response.labelled_by(label).on_hover_text(control.tip);
+    });
 }
 
 fn run(ui: &mut Ui, document: &Document) -> Option<Action> {

@@ -3,10 +3,11 @@
 
 use crate::viewer::settings::Switching;
 use crate::viewer::style::labels::{self, Control};
+use crate::viewer::style::number_field::{NumberField, Written};
 use crate::viewer::style::widgets::{self, Badge};
 use burnish::limits::Bytes;
 use burnish::progressive::KeptPictures;
-use egui::{DragValue, Ui};
+use egui::Ui;
 
 pub(crate) struct KeptPanel;
 
@@ -31,8 +32,14 @@ impl KeptPanel {
 fn number(ui: &mut Ui, control: &Control, value: &mut u64, most: u64, speed: f64, unit: &str) {
     widgets::field(ui, control, |ui, label| {
         let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
-        let field = DragValue::new(value).range(0..=most).speed(speed).suffix(unit);
-        let field = field.update_while_editing(false).min_size(size);
-        ui.add_sized(size, field).labelled_by(label).on_hover_text(control.tip);
+        let field = NumberField {
+            name: control.name,
+            range: [0.0, most as f64],
+            speed,
+            written: Written::Whole,
+            unit,
+            size,
+        };
+        field.whole(ui, value).labelled_by(label).on_hover_text(control.tip);
     });
 }

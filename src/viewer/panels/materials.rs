@@ -3,10 +3,11 @@
 use crate::viewer::document::{Document, has_lobe};
 use crate::viewer::style::material_fields;
 use crate::viewer::style::numbers::digits;
+use crate::viewer::style::subscript;
 use crate::viewer::style::theme;
 use crate::viewer::style::widgets;
 use burnish::scene::{Material, MaterialId};
-use egui::{Align, Button, Layout, Response, RichText, ScrollArea, Ui};
+use egui::{Align, Button, Layout, Response, RichText, ScrollArea, TextStyle, Ui};
 use std::ops::Range;
 
 /// At least so many lines are shown at once; half a line tells that there are more.
@@ -23,6 +24,8 @@ const HINT: &str = "pick one, here or in the picture";
 pub(crate) struct Materials {
     /// The one that was picked when last drawn, to scroll to a new one.
     seen: Option<MaterialId>,
+    /// The one that was last clicked in the list.
+    clicked: Option<MaterialId>,
     /// The lines of a very long list that were drawn.
     drawn: Range<usize>,
 }
@@ -43,23 +46,28 @@ impl Materials {
 
     fn list(&mut self, ui: &mut Ui, document: &mut Document, height: f32) {
         let materials = &document.params.materials;
+        let order = order(materials);
         let chosen = document.picked.filter(|_| document.only_picked);
         let line = ui.spacing().interact_size.y;
         let mut clicked = None;
         let mut rows = |ui: &mut Ui, range: Range<usize>, scroll: bool| {
-            for (i, material) in materials.iter().enumerate().take(range.end).skip(range.start) {
-                let id = i as MaterialId;
+            for &id in order.get(range).unwrap_or_default() {
+                let Some(material) = materials.get(id as usize) else { continue };
                 let row = row(ui, material, chosen == Some(id));
                 if scroll && chosen == Some(id) {
-                    row.scroll_to_me(None);
+                    row.scroll_to_me(Some(Align::Min));
                 }
                 if row.clicked() {
                     clicked = Some(id);
                 }
             }
         };
-        let newly = chosen.filter(|_| self.seen != chosen).map(|id| id as usize);
-        let mut area = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
+        // Not one that was clicked in the list: it would run away from the pointer.
+        let newly = chosen.filter(|_| self.seen != chosen && self.clicked != chosen);
+        let newly = newly.and_then(|id| order.iter().position(|&other| other == id));
+        // Each scene's list begins at its top.
+        let area = ScrollArea::vertical().id_salt(document.number);
+        let mut area = area.max_height(height).auto_shrink([false, true]);
         if materials.len() <= ALL_DRAWN {
             area.show(ui, |ui| rows(ui, 0..materials.len(), newly.is_some()));
         } else {
@@ -75,10 +83,23 @@ impl Materials {
         }
         self.seen = chosen;
         if clicked.is_some() {
+            self.clicked = clicked;
             // A second click lets go of it.
             document.pick(clicked.filter(|_| clicked != chosen));
         }
     }
+}
+
+/// What a roughness concerns first, then what shines, then what is diffuse; else as in the scene.
+fn order(materials: &[Material]) -> Vec<MaterialId> {
+    let rank = |material: &Material| match material {
+        material if has_lobe(material) => 0,
+        material if material.emits() => 1,
+        _ => 2,
+    };
+    let mut order: Vec<MaterialId> = (0..materials.len() as MaterialId).collect();
+    order.sort_by_key(|&id| materials.get(id as usize).map_or(2, rank));
+    order
 }
 
 /// What the columns are.
@@ -90,12 +111,14 @@ fn header(ui: &mut Ui) {
         ui.label(RichText::new(HINT).small().weak());
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.add_space(theme::GAP);
-            ui.label(RichText::new("a_p").small().weak());
+            let colour = theme::weak(ui);
+            subscript::label(ui, TextStyle::Small, colour);
         });
     });
 }
 
 fn row(ui: &mut Ui, material: &Material, chosen: bool) -> Response {
+    let tip = subscript::tip(ui, &describe(material));
     let row = ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         theme::quiet_choice(ui);
@@ -109,7 +132,7 @@ fn row(ui: &mut Ui, material: &Material, chosen: bool) -> Response {
         ui.allocate_ui_with_layout(size, layout, |ui| ui.add(name))
             .inner
             .accessible_name(material.name.as_str())
-            .on_hover_text(describe(material))
+            .on_hover_text(tip)
     });
     if chosen {
         widgets::focus_frame(ui, row.response.rect);

@@ -9,6 +9,7 @@ use crate::viewer::jobs::background::Background;
 use crate::viewer::keys::Action;
 use crate::viewer::panels::lobe::luminance;
 use crate::viewer::style::labels;
+use crate::viewer::style::number_field::{NumberField, Written};
 use crate::viewer::style::numbers::digits;
 use crate::viewer::style::theme;
 use crate::viewer::style::widgets::{self, Badge};
@@ -132,12 +133,18 @@ impl PixelPanel {
         }
         widgets::field(ui, &labels::SAMPLES, |ui, label| {
             let size = vec2(ui.available_width(), theme::ROW);
-            let field = egui::DragValue::new(&mut self.samples)
-                .range(16..=65_536)
-                .speed(16.0)
-                .update_while_editing(false);
-            let field = ui.add_sized(size, field).labelled_by(label);
-            field.on_hover_text(labels::SAMPLES.tip);
+            let field = NumberField {
+                name: labels::SAMPLES.name,
+                range: [16.0, 65_536.0],
+                speed: 16.0,
+                written: Written::Whole,
+                unit: "",
+                size,
+            };
+            field
+                .whole(ui, &mut self.samples)
+                .labelled_by(label)
+                .on_hover_text(labels::SAMPLES.tip);
         });
     }
 

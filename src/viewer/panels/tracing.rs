@@ -2,10 +2,11 @@
 
 use crate::viewer::document::Document;
 use crate::viewer::style::labels::{self, Control};
+use crate::viewer::style::number_field::{NumberField, Written};
 use crate::viewer::style::theme;
 use crate::viewer::style::widgets::{self, Weight};
 use burnish::progressive::Params;
-use egui::{Button, ComboBox, DragValue, Id, Key, TextEdit, Ui};
+use egui::{Button, ComboBox, Id, Key, TextEdit, Ui};
 
 /// Sizes in use.
 const SIZES: [[u32; 2]; 8] = [
@@ -20,7 +21,7 @@ const SIZES: [[u32; 2]; 8] = [
 ];
 /// The most that the field takes. Light that has met so many surfaces carries nothing any more.
 const DEEPEST: u32 = 1000;
-const MOST_THREADS: usize = 1024;
+const MOST_THREADS: u32 = 1024;
 
 /// Whether the depth has a limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,7 +70,7 @@ impl TracingPanel {
         room: [u32; 2],
     ) -> Option<usize> {
         let wanted = widgets::section(ui, "tracing", "Tracing", None, false, |ui| {
-            size(ui, &mut document.params, room);
+            size(ui, document, room);
             seed(ui, &mut document.params);
             self.depth(ui, &mut document.params);
             worker_threads(ui, threads)
@@ -91,8 +92,7 @@ impl TracingPanel {
                 })
                 .inner;
             ui.add_enabled_ui(chosen == 1, |ui| {
-                let field = DragValue::new(&mut self.depth).range(1..=DEEPEST).speed(0.05);
-                number(ui, &labels::DEPTH_LIMIT, field);
+                number(ui, &labels::DEPTH_LIMIT, &mut self.depth, [1, DEEPEST], 0.05);
             });
             pressed
         });
@@ -104,13 +104,30 @@ impl TracingPanel {
 /// Width of a field of few digits, in points.
 const NUMBER: f32 = 56.0;
 
-fn number(ui: &mut Ui, control: &Control, field: DragValue<'_>) -> egui::Response {
-    let size = egui::vec2(NUMBER, ui.spacing().interact_size.y);
-    let field = field.update_while_editing(false).min_size(size);
-    ui.add_sized(size, field).accessible_name(control.name).on_hover_text(control.tip)
+fn number(
+    ui: &mut Ui,
+    control: &Control,
+    value: &mut u32,
+    [low, high]: [u32; 2],
+    speed: f64,
+) -> egui::Response {
+    let field = NumberField {
+        name: control.name,
+        range: [low.into(), high.into()],
+        speed,
+        written: Written::Whole,
+        unit: "",
+        size: egui::vec2(NUMBER, ui.spacing().interact_size.y),
+    };
+    let mut wide = u64::from(*value);
+    let response = field.whole(ui, &mut wide);
+    *value = u32::try_from(wide).unwrap_or(high);
+    response.accessible_name(control.name).on_hover_text(control.tip)
 }
 
-fn size(ui: &mut Ui, params: &mut Params, room: [u32; 2]) {
+fn size(ui: &mut Ui, document: &mut Document, room: [u32; 2]) {
+    let Document { params, follow, .. } = document;
+    let before = params.size;
     let as_read = params.scene.screen();
     widgets::field(ui, &labels::SIZE, |ui, _| {
         ui.spacing_mut().item_spacing.x = 4.0;
@@ -122,27 +139,34 @@ fn size(ui: &mut Ui, params: &mut Params, room: [u32; 2]) {
                 ui.weak("x");
             }
             let speed = 0.005 * f64::from(*side);
-            number(ui, control, DragValue::new(side).range(1..=Params::MAX_SIDE).speed(speed));
+            number(ui, control, side, [1, Params::MAX_SIDE], speed);
         }
         let menu = ComboBox::from_id_salt("sizes")
             .width(ui.available_width())
             .height(400.0)
-            .selected_text("Presets")
+            .selected_text(if *follow { "Window" } else { "Presets" })
             .show_ui(ui, |ui| {
                 theme::quiet_choice(ui);
-                let [w, h] = as_read;
-                let file = format!("As in file, {w} x {h}");
-                ui.selectable_value(&mut params.size, as_read, file);
                 let [w, h] = room;
-                let fill = format!("Fill the window, {w} x {h}");
-                ui.selectable_value(&mut params.size, room, fill);
-                for size @ [w, h] in SIZES {
-                    ui.selectable_value(&mut params.size, size, format!("{w} x {h}"));
+                let fill = format!("Follow the window, {w} x {h}");
+                if ui.selectable_label(*follow, fill).clicked() {
+                    (*follow, params.size) = (true, room);
+                }
+                let [w, h] = as_read;
+                let file = (format!("As in file, {w} x {h}"), as_read);
+                let others = SIZES.map(|size @ [w, h]| (format!("{w} x {h}"), size));
+                for (words, size) in std::iter::once(file).chain(others) {
+                    let chosen = !*follow && params.size == size;
+                    if ui.selectable_label(chosen, words).clicked() {
+                        (*follow, params.size) = (false, size);
+                    }
                 }
             });
         let menu = menu.response;
         menu.accessible_name(labels::PRESETS.name).on_hover_text(labels::PRESETS.tip);
     });
+    // A side that was typed is to stay.
+    *follow &= params.size == before || params.size == room;
 }
 
 fn seed(ui: &mut Ui, params: &mut Params) {
@@ -181,9 +205,9 @@ fn whole_number(ui: &mut Ui, label: Id, value: u64, width: f32) -> Option<u64> {
 fn worker_threads(ui: &mut Ui, threads: usize) -> Option<usize> {
     widgets::field(ui, &labels::THREADS, |ui, _| {
         let id = ui.make_persistent_id("threads");
-        let mut shown = ui.data(|d| d.get_temp(id)).unwrap_or(threads);
-        let field = DragValue::new(&mut shown).range(0..=MOST_THREADS).speed(0.05);
-        let field = number(ui, &labels::THREADS, field);
+        let threads = threads as u32;
+        let mut shown = ui.data(|d| d.get_temp::<u32>(id)).unwrap_or(threads);
+        let field = number(ui, &labels::THREADS, &mut shown, [0, MOST_THREADS], 0.05);
         if shown == 0 {
             let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
             ui.weak(format!("one a core: {cores}"));
@@ -192,7 +216,7 @@ fn worker_threads(ui: &mut Ui, threads: usize) -> Option<usize> {
             ui.data_mut(|d| d.insert_temp(id, shown));
             return None;
         }
-        ui.data_mut(|d| d.remove::<usize>(id));
-        Some(shown).filter(|&n| n != threads)
+        ui.data_mut(|d| d.remove::<u32>(id));
+        Some(shown as usize).filter(|_| shown != threads)
     })
 }

@@ -6,12 +6,13 @@ use crate::viewer::picture::side::Side;
 use crate::viewer::picture::versus::{self, DifferenceTexture, Versus};
 use crate::viewer::style::theme;
 use crate::viewer::style::widgets;
-use burnish::progressive::{Snapshot, State, TileGrid};
+use burnish::progressive::{Params, Snapshot, State, TileGrid};
 use burnish::scene::{Camera, Scene};
 use egui::{
     CursorIcon, EventFilter, Id, Key, Modifiers, PointerButton, Pos2, Rect, Response, Role, Sense,
     TextureOptions, Ui, Vec2, WidgetInfo, vec2,
 };
+use glam::DVec3;
 use std::sync::Arc;
 
 /// Orbit angle for a drag across the whole picture, in radians.
@@ -54,6 +55,8 @@ pub(crate) struct Canvas {
     offset: Vec2,
     /// The pixel under the pointer, for the status line.
     pub(crate) hover: Option<Hover>,
+    /// What a drag turns about or moves along: where it began, if a surface was there.
+    held: Option<DVec3>,
     /// Where the picture was drawn last, in points; it may reach beyond its space.
     pub(crate) place: Option<Rect>,
     id: Option<Id>,
@@ -78,6 +81,7 @@ impl Canvas {
             zoom: Zoom::Fit,
             offset: Vec2::ZERO,
             hover: None,
+            held: None,
             place: None,
             id: None,
             room: [640, 480],
@@ -150,7 +154,9 @@ impl Canvas {
         let spaces = versus::spaces(space, versus.as_ref().map(|v| v.layout));
         let margin = Vec2::splat(2.0 * theme::GROUP);
         let room = |space: Rect| (space.size() - margin).max(Vec2::splat(1.0));
-        self.room = [room(space).x, room(space).y].map(|side| (side * pixels_per_point) as u32);
+        let most = Params::MAX_SIDE as f32;
+        self.room = [room(space).x, room(space).y]
+            .map(|side| (side * pixels_per_point).clamp(1.0, most) as u32);
         let room = room(spaces[0]) * pixels_per_point;
         if let Some(document) = &document {
             let options = filter(self.times(room));
@@ -161,6 +167,9 @@ impl Canvas {
         let times = self.times(room);
         if let (Some(size), Some(document)) = (self.sides[0].size(), document) {
             let size = vec2(size[0] as f32, size[1] as f32) * times / pixels_per_point;
+            // Some of it stays within reach.
+            let reach = (0.5 * (size + spaces[0].size()) - margin).max(Vec2::ZERO);
+            self.offset = self.offset.clamp(-reach, reach);
             let places = spaces.map(|space| {
                 let place = Rect::from_center_size(space.center() + self.offset, size);
                 // On whole pixels of the screen, or every texel would be a little blurred.
@@ -193,6 +202,12 @@ impl Canvas {
     fn times(&self, room: Vec2) -> f32 {
         match (self.zoom, self.sides[0].size()) {
             (Zoom::Times(times), _) => times,
+            // A picture made for the room: pixel by pixel.
+            (Zoom::Fit, Some([width, height]))
+                if (room.x as u32, room.y as u32) == (width, height) =>
+            {
+                1.0
+            }
             (Zoom::Fit, Some([width, height])) => {
                 (room / vec2(width as f32, height as f32)).min_elem()
             }
@@ -213,23 +228,33 @@ impl Canvas {
         });
         let delta = response.drag_delta();
         let drag = |button| response.dragged_by(button) && delta != Vec2::ZERO;
+        if response.drag_started() {
+            let origin = ui.input(|i| i.pointer.press_origin());
+            let begun = origin.and_then(|at| self.pixel_at(at, place));
+            let params = &document.params;
+            let surface = begun
+                .and_then(|(_, exact)| params.scene.first_hit(&params.camera, params.size, exact));
+            self.held = Some(surface.map_or_else(|| document.pivot(), |hit| hit.point));
+        }
         let subject = document.subject();
+        let pivot = self.held.unwrap_or_else(|| subject.pivot(&document.params.camera));
         let camera = &mut document.params.camera;
         if drag(PointerButton::Middle) || (drag(PointerButton::Primary) && shift > 0.0) {
             let by = delta / place.height().max(1.0);
-            *camera = orbit::pan(camera, subject, -f64::from(by.x), f64::from(by.y));
+            *camera = orbit::pan(camera, pivot, -f64::from(by.x), f64::from(by.y));
         } else if drag(PointerButton::Primary) {
             let turn = delta / place.size().max_elem().max(1.0);
             *camera =
-                orbit::orbit(camera, subject, -TURN * f64::from(turn.x), -TURN * f64::from(turn.y));
+                orbit::orbit(camera, pivot, -TURN * f64::from(turn.x), -TURN * f64::from(turn.y));
         } else if drag(PointerButton::Secondary) {
             self.offset += delta;
         }
         let Some(at) = response.hover_pos() else { return };
         if zoom != 1.0 {
             let next = (times * zoom).clamp(0.05, 64.0);
-            let middle = place.center();
-            self.offset += (at - middle) * (1.0 - next / times);
+            // Beside the picture its nearest point is held, or it would leave its space.
+            let at = place.clamp(at);
+            self.offset += (at - place.center()) * (1.0 - next / times);
             self.zoom = Zoom::Times(next);
         } else if wheel != 0.0 {
             let factor = (-f64::from(wheel) / 400.0).exp();
@@ -291,7 +316,7 @@ fn keyboard(ui: &Ui, response: &Response, document: &mut Document) {
     let filter =
         EventFilter { horizontal_arrows: true, vertical_arrows: true, ..Default::default() };
     ui.memory_mut(|m| m.set_focus_lock_filter(response.id, filter));
-    let subject = document.subject();
+    let (subject, pivot) = (document.subject(), document.pivot());
     let moves: [(Key, [f64; 2]); 4] = [
         (Key::ArrowLeft, [-1.0, 0.0]),
         (Key::ArrowRight, [1.0, 0.0]),
@@ -302,10 +327,10 @@ fn keyboard(ui: &Ui, response: &Response, document: &mut Document) {
     ui.input_mut(|input| {
         for (key, [x, y]) in moves {
             for _ in 0..input.count_and_consume_key(Modifiers::SHIFT, key) {
-                camera = orbit::pan(&camera, subject, SHIFT * x, SHIFT * y);
+                camera = orbit::pan(&camera, pivot, SHIFT * x, SHIFT * y);
             }
             for _ in 0..input.count_and_consume_key(Modifiers::NONE, key) {
-                camera = orbit::orbit(&camera, subject, STEP * x, -STEP * y);
+                camera = orbit::orbit(&camera, pivot, STEP * x, -STEP * y);
             }
         }
         for (key, factor) in [(Key::PageUp, 1.0 / 1.1), (Key::PageDown, 1.1)] {

@@ -70,6 +70,10 @@ pub(crate) const MATCH: Control = control(
      lobe is the same. Mean slope: E[tan] of wm under D cos. Half-width: the angle at which D is half \
      of its largest. Albedo: what the lobe reflects with F = 1.",
 );
+pub(crate) const RESUME: Control = control(
+    "Resume the file",
+    "Goes on with the picture in the file: its scene, camera, materials and passes. One that      `burnish render --checkpoint` wrote goes on from its sums; another is traced again, to the same      bits.",
+);
 pub(crate) const SAME_ALPHA: &str = "Same alpha";
 pub(crate) const REMAINS: &str = "What remains: half of the integral of |D1 - D2| cos over the \
                                   hemisphere, the part of the microfacet area that faces elsewhere.";
@@ -329,7 +333,7 @@ pub(crate) fn table() -> Vec<(&'static str, Vec<(String, String)>)> {
     compare.extend(Layout::ALL.map(|l| (l.title().to_owned(), l.tip().to_owned())));
     compare.push(line(&FIRST));
     compare.extend(First::ALL.map(|f| choice(&FIRST, f.title(), f.tip())));
-    compare.extend(lines(&[SECOND, OTHER_ALPHA, MATCH, WIPE]));
+    compare.extend(lines(&[SECOND, OTHER_ALPHA, MATCH, RESUME, WIPE]));
 
     let mut lobes = lines(&[QUANTITY]);
     lobes.extend(Quantity::ALL.map(|q| choice(&QUANTITY, q.title(), q.describe())));

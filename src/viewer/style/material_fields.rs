@@ -2,7 +2,9 @@
 
 use crate::viewer::document::{Document, has_lobe};
 use crate::viewer::style::labels::{self, Control};
+use crate::viewer::style::number_field::{NumberField, Written};
 use crate::viewer::style::numbers::digits;
+use crate::viewer::style::subscript;
 use crate::viewer::style::theme;
 use crate::viewer::style::widgets;
 use burnish::brdf::Roughness;
@@ -87,8 +89,16 @@ fn colour(ui: &mut Ui, control: &Control, most: f64, value: &mut [f32; 3]) {
         for (channel, value) in labels::CHANNELS.into_iter().zip(value) {
             let mut wide = f64::from(*value);
             let speed = if most == 1.0 { 0.005 } else { (0.01 * wide).max(0.01) };
-            let field = widgets::number(&mut wide, 3).range(0.0..=most).speed(speed).min_size(size);
-            let field = ui.add_sized(size, field).accessible_name(format!("{name} {channel}"));
+            let name = format!("{name} {channel}");
+            let field = NumberField {
+                name: &name,
+                range: [0.0, most],
+                speed,
+                written: Written::Digits(3),
+                unit: "",
+                size,
+            };
+            let field = field.ui(ui, &mut wide).accessible_name(&name);
             if field.on_hover_text(*tip).changed() {
                 *value = wide as f32;
             }
@@ -100,18 +110,26 @@ fn colour(ui: &mut Ui, control: &Control, most: f64, value: &mut [f32; 3]) {
 const FIGURE: f32 = 120.0;
 
 fn exponent(ui: &mut Ui, material: &mut Material) {
-    let tip = labels::EXPONENT.tip;
+    let tip = subscript::tip(ui, labels::EXPONENT.tip);
     widgets::field(ui, &labels::EXPONENT, |ui, label| {
+        let mut a_p = material.roughness.exponent();
+        let field = NumberField {
+            name: labels::EXPONENT.name,
+            range: Roughness::EXPONENT,
+            speed: 0.01 * (a_p + 2.0),
+            written: Written::Digits(4),
+            unit: "",
+            size: egui::vec2(ui.available_width() - FIGURE, ui.spacing().interact_size.y),
+        };
+        // Always there, so that the field that has the keyboard is the same one before and after Ks is 0.
+        let field = ui.add_enabled_ui(has_lobe(material), |ui| field.ui(ui, &mut a_p)).inner;
+        let field = field.labelled_by(label).on_hover_text(tip.clone());
         if !has_lobe(material) {
+            field.on_disabled_hover_text(labels::KS.tip);
             ui.weak("no lobe: Ks is 0").on_hover_text(labels::KS.tip);
             return;
         }
-        let [low, high] = Roughness::EXPONENT;
-        let mut a_p = material.roughness.exponent();
-        let size = egui::vec2(ui.available_width() - FIGURE, ui.spacing().interact_size.y);
-        let speed = 0.01 * (a_p + 2.0);
-        let field = widgets::number(&mut a_p, 4).range(low..=high).speed(speed).min_size(size);
-        if ui.add_sized(size, field).labelled_by(label).on_hover_text(tip).changed()
+        if field.changed()
             && let Ok(roughness) = Roughness::from_exponent(a_p)
         {
             material.roughness = roughness;

@@ -1,12 +1,11 @@
 //! The few widgets that egui does not have, or not so.
 
 use crate::viewer::style::labels::Control;
-use crate::viewer::style::numbers::digits;
 use crate::viewer::style::theme;
 use egui::collapsing_header::CollapsingState;
 use egui::{
-    Button, Color32, CornerRadius, DragValue, Rect, RectAlign, Response, Role, Sense, Shape,
-    Stroke, StrokeKind, TextStyle, Tooltip, Ui, Vec2, WidgetInfo, pos2, vec2,
+    Button, Color32, CornerRadius, Rect, RectAlign, Response, Role, Sense, Shape, Stroke,
+    StrokeKind, TextStyle, Tooltip, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 
 /// How much the chosen one of a row of buttons stands out.
@@ -101,22 +100,6 @@ pub(crate) fn button_row(ui: &mut Ui, buttons: &[(&str, String, bool)]) -> Optio
     pressed
 }
 
-/// A number that is typed or dragged, with so many significant digits. A text that was not changed
-/// is the number itself, not its rounded form: to look is not to edit.
-pub(crate) fn number(value: &mut f64, significant: usize) -> DragValue<'_> {
-    let (exact, shown) = (*value, digits(*value, significant));
-    let parse = move |text: &str| match text.trim() {
-        text if text == shown => Some(exact),
-        // The decimal comma of many keyboards.
-        text => text.replace(',', ".").parse().ok().filter(|x: &f64| !x.is_nan()),
-    };
-    DragValue::new(value)
-        .update_while_editing(false)
-        .max_decimals(12)
-        .custom_formatter(move |x, _| digits(x, significant))
-        .custom_parser(parse)
-}
-
 /// The tooltip of a menu's entry: at the left, where it hides no other entry.
 pub(crate) fn beside(entry: &Response, text: &str) {
     let mut tip = Tooltip::for_enabled(entry);
@@ -154,6 +137,7 @@ pub(crate) fn section<R>(
         ui.allocate_exact_size(vec2(ui.available_width(), theme::ROW), Sense::click());
     if response.clicked() {
         state.toggle(ui);
+        ui.data_mut(|d| d.insert_temp(id, Revealing(state.is_open())));
     }
     let openness = state.openness(ui.ctx());
     let colour = match response.hovered() {
@@ -182,8 +166,22 @@ pub(crate) fn section<R>(
             node.set_value(badge.text.as_str());
         }
     });
-    state.show_body_unindented(ui, body).map(|r| r.inner)
+    let shown = state.show_body_unindented(ui, body)?;
+    // One that is opened at the foot of the panel is not to be opened out of sight; of one that is taller
+    // than the panel, its beginning is shown.
+    if let Some(Revealing(true)) = ui.data(|d| d.get_temp(id)) {
+        let height = (shown.response.rect.bottom() - rect.top()).min(ui.clip_rect().height());
+        ui.scroll_to_rect(Rect::from_min_size(rect.min, vec2(rect.width(), height)), None);
+        if openness >= 1.0 {
+            ui.data_mut(|d| d.remove::<Revealing>(id));
+        }
+    }
+    Some(shown.inner)
 }
+
+/// Whether a section that is being opened is to be scrolled to.
+#[derive(Clone, Copy)]
+struct Revealing(bool);
 
 /// Opens the section of this name that is drawn next by this part of the window.
 pub(crate) fn open_section(ui: &Ui, id: impl std::hash::Hash + std::fmt::Debug) {

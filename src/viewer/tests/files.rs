@@ -71,7 +71,7 @@ fn a_dropped_scene_is_opened_and_the_settings_stay() {
     desk.until_done(2);
     let document = desk.doc();
     assert_eq!((document.params.model, document.goal.passes), (Model::Phong, 2));
-    assert_eq!(document.tone.exposure, 0.5);
+    assert_eq!(document.tone.exposure, 0.0, "that of the scene before");
     assert_eq!(desk.newest().grid.size, [20, 10]);
 }
 
@@ -173,7 +173,7 @@ fn the_menu_has_every_shipped_scene_and_opens_it() {
 #[test]
 fn reload_reads_the_file_again_and_a_moved_camera_stays() {
     // By the key and the button alone.
-    let settings = Settings { watch: false, ..Settings::default() };
+    let settings = Settings { watch: false, ..settings() };
     let mut desk = Desk::with(SCENE, settings, |_| Picked::Nothing);
     desk.until("a picture", |app| app.render.as_ref().is_some_and(|r| r.newest.is_some()));
     let path = desk.folder.path().join("two.scn");

@@ -22,7 +22,7 @@ fn beside(folder: Option<&Path>) -> Picked {
 
 #[test]
 fn the_dialog_begins_beside_the_scene_and_opens_what_is_chosen() {
-    let mut desk = Desk::with(SCENE, Settings::default(), beside);
+    let mut desk = Desk::with(SCENE, settings(), beside);
     desk.until("a scene", number(0));
     std::fs::write(desk.folder.path().join("one.scn"), ONE).unwrap();
     desk.chord(COMMAND, Key::O);
@@ -42,7 +42,7 @@ fn a_dialog_that_is_closed_changes_nothing() {
 
 #[test]
 fn without_a_dialog_the_path_is_asked_for() {
-    let mut desk = Desk::with(SCENE, Settings::default(), |_| Picked::NoDialog);
+    let mut desk = Desk::with(SCENE, settings(), |_| Picked::NoDialog);
     desk.until("a scene", number(0));
     desk.chord(COMMAND | Modifiers::SHIFT, Key::O);
     desk.until("an error", |app| app.notice.as_ref().is_some_and(|n| n.is_error));

@@ -8,7 +8,8 @@ use egui::ThemePreference;
 #[test]
 fn the_first_scene_begins_as_remembered_and_only_the_looks_are() {
     let settings = Settings {
-        tone: Tone { exposure: -1.0, curve: Curve::Reinhard },
+        curve: Curve::Reinhard,
+        follow: false,
         goal: Goal { stop: Stop::Time, seconds: 7.0, ..Goal::default() },
         watch: false,
         ..Settings::default()
@@ -16,7 +17,8 @@ fn the_first_scene_begins_as_remembered_and_only_the_looks_are() {
     let mut desk = Desk::with(SCENE, settings.clone(), |_| Picked::Nothing);
     desk.until("a scene", |app| app.document.is_some());
     let document = desk.doc();
-    assert_eq!((document.tone, document.goal), (settings.tone, settings.goal));
+    let tone = Tone { exposure: 0.0, curve: settings.curve };
+    assert_eq!((document.tone, document.goal), (tone, settings.goal));
     assert!(!document.can_undo(), "what is remembered is no edit");
     assert!(desk.app().watch.is_none());
     let ctx = desk.harness.ctx.clone();
@@ -31,6 +33,7 @@ fn the_first_scene_begins_as_remembered_and_only_the_looks_are() {
     desk.click("Passes");
     desk.click_role(Role::Button, "Light");
     let after = desk.app().settings(&ctx);
-    assert_eq!(after.tone, Tone { exposure: -0.5, curve: Curve::Filmic });
+    assert_eq!(after.curve, Curve::Filmic);
+    assert_eq!(desk.doc().tone.exposure, 0.5);
     assert_eq!((after.goal.stop, after.theme), (Stop::Passes, ThemePreference::Light));
 }

@@ -31,14 +31,14 @@ fn sizes_are_typed_or_chosen() {
         desk.document(|d| d.params.size = [80, 20]);
     }
     let room = desk.app().canvas.room;
-    let fill = format!("Fill the window, {} x {}", room[0], room[1]);
+    let fill = format!("Follow the window, {} x {}", room[0], room[1]);
     for (entry, size) in
         [("320 x 240", [320, 240]), ("As in file, 64 x 48", [64, 48]), (fill.as_str(), room)]
     {
         desk.click_role(Role::ComboBox, "Presets");
         desk.harness.run_steps(3);
         desk.click_role(Role::Button, entry);
-        assert_eq!(desk.doc().params.size, size);
+        assert_eq!((desk.doc().params.size, desk.doc().follow), (size, size == room));
     }
     undo(&mut desk);
     assert_eq!(desk.doc().params.size, [64, 48]);
