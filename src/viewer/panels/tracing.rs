@@ -102,7 +102,7 @@ impl TracingPanel {
 }
 
 /// Width of a field of few digits, in points.
-const NUMBER: f32 = 56.0;
+const NUMBER: f32 = 52.0;
 
 fn number(
     ui: &mut Ui,
