@@ -6,7 +6,7 @@ use burnish::picture::{Format, contents as picture_contents, read_recipe_of};
 use burnish::plain;
 use burnish::progressive::{MaterialRecipe, Recipe, RecipeError};
 use burnish::scene::presets::PRESETS;
-use burnish::scene::{Axis, Material, Report, Scene, SourceFile};
+use burnish::scene::{Axis, Crop, Material, Report, Scene, SourceFile};
 use serde::Serialize;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
@@ -107,6 +107,9 @@ fn describe_picture(path: &Path, recipe: &Recipe) -> Result<(), Failure> {
     }
     let moved = if recipe.moved { "" } else { "  (the scene's)" };
     line("camera", format_args!("{}{moved}", recipe.camera.trim_start_matches("camera ")))?;
+    if let Some([x, y, side]) = recipe.crop.map(Crop::parts) {
+        line("crop", format_args!("{x},{y},{side}  (left, top and side in parts of the whole)"))?;
+    }
     line("materials", materials(recipe))?;
     for material in recipe.materials.iter().filter(|_| common(recipe).is_none()) {
         line("", edited_line(material))?;

@@ -5,7 +5,7 @@ use super::{scene, values};
 use burnish::brdf::{Erratum, Model, Normals, Roughness};
 use burnish::math::lanes::Isa;
 use burnish::progressive::{Params, Strategy};
-use burnish::scene::{Axis, Camera, Scene};
+use burnish::scene::{Axis, Camera, Crop, Scene};
 use burnish::trace::Group;
 use std::sync::Arc;
 
@@ -27,6 +27,10 @@ pub(super) struct Settings {
     #[arg(long, value_name = "x y z ry ORIENT", allow_hyphen_values = true,
           value_parser = scene::camera)]
     camera: Option<Camera>,
+    /// Only a part of the camera's picture, at the full size: its left and upper edge and its side, in parts
+    /// of the whole.
+    #[arg(long, value_name = "X,Y,SIDE", value_parser = values::crop)]
+    crop: Option<Crop>,
     /// The axis of an OBJ or PLY file that points up. Without it Y for OBJ and Z for PLY files, unless
     /// the model has a foot at least twice as large along the other of these two.
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true, value_parser = values::axis())]
@@ -85,6 +89,7 @@ impl Settings {
         params.uniform = self.uniform;
         params.size = self.size.unwrap_or(params.size);
         params.camera = self.camera.unwrap_or(params.camera);
+        params.camera.crop = self.crop.unwrap_or(Crop::WHOLE);
         match self.alpha.or(self.exponent) {
             Some(roughness) => params.with_roughness(roughness),
             None => params,

@@ -4,7 +4,7 @@ use burnish::brdf::{Erratum, Model, Normals, Roughness};
 use burnish::math::lanes::Isa;
 use burnish::picture::{Curve, Format, Tone};
 use burnish::progressive::{Params, Strategy};
-use burnish::scene::Axis;
+use burnish::scene::{Axis, Crop};
 use burnish::trace::Group;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
@@ -19,6 +19,14 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
         let max = Params::MAX_SIDE;
         format!("expected WIDTHxHEIGHT in pixels, such as 640x480, from 1x1 to {max}x{max}")
     })
+}
+
+/// `0.25,0.3,0.5`
+pub(super) fn crop(text: &str) -> Result<Crop, String> {
+    let expected = || "expected X,Y,SIDE in parts of the picture, such as 0.25,0.3,0.5".to_owned();
+    let parts: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    let parts: [f64; 3] = parts.and_then(|parts| parts.try_into().ok()).ok_or_else(expected)?;
+    Crop::try_from(parts).map_err(|e| e.to_string())
 }
 
 /// Roughness as the width alpha.

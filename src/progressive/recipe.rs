@@ -10,7 +10,7 @@ use crate::brdf::{Erratum, Roughness};
 use crate::math::lanes::Isa;
 use crate::picture::{Format, Picture, SaveError, Tone, write_with_samples};
 use crate::scene::write::{Edits, WriteError, edit};
-use crate::scene::{Material, MaterialError, MaterialId, Source, SourceFile};
+use crate::scene::{Camera, Crop, Material, MaterialError, MaterialId, Source, SourceFile};
 use crate::trace::Group;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -57,6 +57,9 @@ pub struct Recipe {
     pub camera: String,
     /// Whether it is another than the scene's.
     pub moved: bool,
+    /// The part of the camera's picture that it is, if not the whole: left, top and side in parts of that.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub crop: Option<Crop>,
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Which BRDF.
@@ -245,7 +248,8 @@ impl Recipe {
             alpha: common.filter(|r| by_alpha(*r)).map(Roughness::alpha),
             exponent: common.filter(|r| !by_alpha(*r)).map(Roughness::exponent),
             camera: params.camera.scn_line(),
-            moved: params.camera != scene.camera(),
+            moved: Camera { crop: Crop::WHOLE, ..params.camera } != scene.camera(),
+            crop: Some(params.camera.crop).filter(|&crop| crop != Crop::WHOLE),
             size: params.size,
             model: params.model.name().to_owned(),
             strategy: params.strategy.name().to_owned(),
@@ -343,6 +347,9 @@ impl Recipe {
         }
         if self.moved {
             add("camera", self.camera.trim_start_matches("camera ").to_owned());
+        }
+        if let Some([x, y, side]) = self.crop.map(Crop::parts) {
+            add("crop", format!("{x},{y},{side}"));
         }
         if let Some(depth) = self.max_depth {
             add("max-depth", depth.to_string());

@@ -1,6 +1,6 @@
 //! The pinhole camera of the `.scn` format.
 
-use super::MAX_COORDINATE;
+use super::{Crop, MAX_COORDINATE};
 use glam::{DMat3, DQuat, DVec3};
 use thiserror::Error;
 
@@ -8,7 +8,8 @@ use thiserror::Error;
 ///
 /// The ray of picture coordinates (sx, sy) in -1..=1, sy upwards, has the direction
 /// `normalize(sx rx X + sy ry Y - Z)` where X Y Z are the axes rotated by `orientation` and
-/// `rx = ry * width / height`.
+/// `rx = ry * width / height`. Of that picture only the crop is taken, which a line of a `.scn` file has no
+/// words for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// The eye.
@@ -17,6 +18,8 @@ pub struct Camera {
     pub ry: f64,
     /// Takes camera space (looking along -Z, Y up) to world space. Unit length.
     pub orientation: DQuat,
+    /// The part of the picture that is taken.
+    pub crop: Crop,
 }
 
 /// A camera that takes no picture.
@@ -44,7 +47,12 @@ impl Camera {
         // What is unit stays as it is: a camera is read back from its line with the same bits.
         let unit = (orientation.length_squared() - 1.0).abs() <= 1e-15;
         let orientation = if unit { orientation } else { orientation.normalize() };
-        Ok(Camera { eye, ry, orientation })
+        Ok(Camera { eye, ry, orientation, crop: Crop::WHOLE })
+    }
+
+    /// The same elsewhere: field of view and crop stay.
+    pub fn moved(&self, eye: DVec3, orientation: DQuat) -> Result<Camera, CameraError> {
+        Ok(Camera { crop: self.crop, ..Camera::new(eye, self.ry, orientation)? })
     }
 
     /// From `eye` towards `target`, Z up where that is possible.
@@ -67,6 +75,7 @@ impl Camera {
             eye: DVec3::ZERO,
             ry,
             orientation: DQuat::IDENTITY,
+            crop: Crop::WHOLE,
         })
     }
 
@@ -97,7 +106,9 @@ impl Camera {
         let [w, h] = size.map(f64::from);
         let pixel = |p: DVec3| {
             let scale = 0.5 * h / (self.ry * p.z);
-            [0.5 * w + p.x * scale, 0.5 * h - p.y * scale]
+            let [left, top, side] = self.crop.parts();
+            let whole = [0.5 * w + p.x * scale, 0.5 * h - p.y * scale];
+            [(whole[0] - left * w) / side, (whole[1] - top * h) / side]
         };
         Some([pixel(cut(a, b)), pixel(cut(b, a))])
     }

@@ -20,12 +20,16 @@ impl CameraRays {
     pub fn new(camera: &Camera, placement: Placement, size: [u32; 2]) -> CameraRays {
         let [x, y, z] = camera.axes();
         let rx = camera.ry * size[0] as f64 / size[1] as f64;
+        // Of the crop; nothing changes where that is the whole.
+        let [_, _, side] = camera.crop.parts();
+        let [right, up] = camera.crop.middle();
+        let ahead = z - x * (rx * right) - y * (camera.ry * up);
         let local = |v: glam::DVec3| V3::from(v.as_vec3().to_array());
         CameraRays {
             eye: local(placement.to_local(camera.eye)),
-            right: local(x * rx),
-            up: local(y * camera.ry),
-            back: local(z),
+            right: local(x * (rx * side)),
+            up: local(y * (camera.ry * side)),
+            back: local(ahead),
             step: size.map(|s| 2.0 / s as f32),
         }
     }

@@ -8,7 +8,7 @@ use crate::viewer::panels::lobe::{Content, Export};
 use crate::viewer::panels::notice::Notice;
 use crate::viewer::panels::view::View;
 use burnish::progressive::Recipe;
-use burnish::scene::Axis;
+use burnish::scene::{Axis, Crop};
 use egui::{Context, ViewportCommand};
 
 /// What one press of [ or ] does to alpha: four of them double it.
@@ -36,6 +36,8 @@ impl App {
             Action::CopyCommand => self.copy_command(ctx),
             Action::Compare => self.compare.on = !self.compare.on,
             Action::Tag => self.tag(),
+            Action::Lobes => self.turned = Some("lobes"),
+            Action::Pixel => self.turned = Some("pixel"),
             Action::CopyPicture => self.copy_picture(ctx),
             Action::Dismiss => self.dismiss(ctx),
             Action::HidePanel => self.alone = !self.alone,
@@ -57,6 +59,7 @@ impl App {
             Action::Brighter => View::expose(document, EXPOSURE_STEP),
             Action::Darker => View::expose(document, -EXPOSURE_STEP),
             Action::Home => document.params.camera = document.params.scene.camera(),
+            Action::Whole => document.params.camera.crop = Crop::WHOLE,
             Action::Frame => {
                 let (framed, aspect) = (document.framed(), document.aspect());
                 let params = &mut document.params;
@@ -132,7 +135,12 @@ impl App {
         let Some(document) = &self.document else { return };
         let beside = document.source.path().and_then(|path| path.parent());
         let folder = beside.unwrap_or(&self.folder).to_path_buf();
-        match Saving::scene(ctx, SceneJob { params: document.params.clone(), folder }) {
+        let mut params = document.params.clone();
+        if document.follow {
+            // The window's size is no edit.
+            params.size = params.scene.screen();
+        }
+        match Saving::scene(ctx, SceneJob { params, folder }) {
             Ok(saving) => self.saving = Some(saving),
             Err(why) => self.notice = Some(Notice::error(why)),
         }

@@ -112,6 +112,8 @@ pub(super) struct App {
     pub(super) alone: bool,
     /// The room that a picture has, and since when, in egui's seconds, while the picture has not.
     growing: Option<([u32; 2], f64)>,
+    /// A section of the panel that is to be opened or closed.
+    pub(super) turned: Option<&'static str>,
     /// Whether text was being typed in the frame before.
     typed: bool,
     /// What the window's title says.
@@ -161,6 +163,7 @@ impl App {
             up: None,
             alone: false,
             growing: None,
+            turned: None,
             typed: false,
             title: String::new(),
             substituted: false,
@@ -346,6 +349,9 @@ impl App {
                     source = open::files(ui, &recent, &mut asked);
                     return;
                 };
+                if let Some(section) = self.turned.take() {
+                    widgets::turn_section(ui, section);
+                }
                 asked.extend(self.controls.ui(ui, document, &mut self.energy));
                 self.compare.ui(ui, document, &mut asked);
                 source = open::files(ui, &recent, &mut asked);

@@ -492,3 +492,40 @@ fn a_scene_that_gains_light_is_remarked_on() {
     let said = err(&output);
     assert!(said.contains("reflects 1.071 of what arrives on average"), "{said}");
 }
+
+/// A part of a picture is what the whole shows there; its recipe knows it, and its command makes it again.
+#[test]
+fn a_crop_is_a_part_of_the_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let [whole, part, again] = ["whole.exr", "part.exr", "again.exr"].map(|name| at(&folder, name));
+    let small = ["render", "--passes", "64", "--seed", "5"];
+    must(&[&small[..], &["-o", &whole, "--size", "96x72"]].concat());
+    let crop = ["--size", "48x36", "--crop", "0.25,0.375,0.5"];
+    must(&[&small[..], &["-o", &part], &crop].concat());
+    let [of_whole, of_part] =
+        [&whole, &part].map(|file| burnish::picture::read_exr(file.as_ref()).unwrap());
+    // The same pixels of the same size, by other samples.
+    let (mut apart, mut mean) = (0.0, 0.0);
+    for y in 0..36 {
+        for x in 0..48 {
+            let [a, b] = [of_whole.pixels[(27 + y) * 96 + 24 + x], of_part.pixels[y * 48 + x]];
+            apart += f64::from((a[1] - b[1]).abs());
+            mean += f64::from(a[1]);
+        }
+    }
+    assert!(apart < 0.15 * mean, "{apart} of {mean}");
+    let told = must(&["info", &part]);
+    assert!(told.contains("crop       0.25,0.375,0.5"), "{told}");
+    let line = told.lines().find_map(|line| line.strip_prefix("again      burnish ")).unwrap();
+    let words: Vec<&str> = line
+        .split(' ')
+        .map(|word| if word.ends_with(".exr") { again.as_str() } else { word })
+        .collect();
+    must(&words);
+    assert!(burnish::picture::read_exr(again.as_ref()).unwrap() == of_part);
+    for bad in ["0.6,0,0.5", "0,0,0", "0,0", "a,b,c"] {
+        let output = run(&["render", "-o", &part, "--crop", bad]);
+        assert_eq!(code(&output), 2, "{bad}");
+        assert!(err(&output).contains("--crop"), "{}", err(&output));
+    }
+}

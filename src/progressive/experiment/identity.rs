@@ -6,7 +6,7 @@ use crate::math::lanes::Isa;
 use crate::plain;
 use crate::progressive::{FileRecipe, Params, Recipe};
 use crate::scene::read::parse_camera;
-use crate::scene::{Material, Scene};
+use crate::scene::{Crop, Material, Scene};
 use crate::trace::{Group, Strategy};
 use std::fmt::Display;
 use std::sync::Arc;
@@ -48,6 +48,7 @@ impl Experiment {
         let depth = |r: &Recipe| r.max_depth.map_or("none".to_owned(), |n| n.to_string());
         let erratum = |r: &Recipe| r.erratum.clone().unwrap_or_else(|| "none".to_owned());
         let size = |r: &Recipe| format!("{}x{}", r.size[0], r.size[1]);
+        let crop = |r: &Recipe| format!("{:?}", r.crop.unwrap_or(Crop::WHOLE).parts());
         let passes = |r: &Recipe| if r.uniform { "uniform" } else { "planned" };
         let tracer = |r: &Recipe| if r.reference { "reference" } else { "engine" };
         let sums = |r: &Recipe| if is_fused(&r.isa) { "fused" } else { "portable" };
@@ -61,6 +62,7 @@ impl Experiment {
             .or_else(|| differ("axis up", up(&a.scene.up), up(&b.scene.up)))
             .or_else(materials)
             .or_else(|| differ("camera", &a.camera, &b.camera))
+            .or_else(|| differ("crop", crop(a), crop(b)))
             .or_else(|| differ("size", size(a), size(b)))
             .or_else(|| differ("model", &a.model, &b.model))
             .or_else(|| differ("strategy", &a.strategy, &b.strategy))
@@ -139,6 +141,7 @@ impl Recipe {
         if self.moved {
             params.camera = parse_camera(&self.camera)?;
         }
+        params.camera.crop = self.crop.unwrap_or(Crop::WHOLE);
         let mut materials = params.materials.to_vec();
         for (at, edited) in self.materials.iter().enumerate() {
             let mut material: Material = edited.material().map_err(|e| e.to_string())?;

@@ -104,7 +104,7 @@ fn slider(ui: &mut Ui, label: &Response, value: Roughness) -> Option<Roughness> 
     }
     widgets::field(ui, &labels::ALPHA, |ui, label| {
         let (tip, name) = (labels::ALPHA.tip, labels::A_P.name);
-        let width = (ui.available_width() - widgets::text_width(ui, name)) / 2.0 - theme::GAP;
+        let width = (ui.available_width() - subscript::width(ui, name)) / 2.0 - theme::GAP;
         let size = egui::vec2(width, ui.spacing().interact_size.y);
         let mut alpha = value.alpha();
         let field = NumberField {

@@ -1,11 +1,14 @@
 //! The section "Tracing": the picture's size, seed and depth, and by how many threads.
 
 use crate::viewer::document::Document;
+use crate::viewer::keys::{self, Action};
 use crate::viewer::style::labels::{self, Control};
 use crate::viewer::style::number_field::{NumberField, Written};
+use crate::viewer::style::numbers::percent;
 use crate::viewer::style::theme;
 use crate::viewer::style::widgets::{self, Weight};
 use burnish::progressive::Params;
+use burnish::scene::Crop;
 use egui::{Button, ComboBox, Id, Key, TextEdit, Ui};
 
 /// Sizes in use.
@@ -71,11 +74,16 @@ impl TracingPanel {
     ) -> Option<usize> {
         let wanted = widgets::section(ui, "tracing", "Tracing", None, false, |ui| {
             size(ui, document, room);
+            let whole = crop(ui, document.params.camera.crop);
             seed(ui, &mut document.params);
             self.depth(ui, &mut document.params);
-            worker_threads(ui, threads)
+            (worker_threads(ui, threads), whole)
         });
-        wanted.flatten()
+        let (wanted, whole) = wanted.unwrap_or_default();
+        if whole {
+            document.params.camera.crop = Crop::WHOLE;
+        }
+        wanted
     }
 
     fn depth(&mut self, ui: &mut Ui, params: &mut Params) {
@@ -167,6 +175,21 @@ fn size(ui: &mut Ui, document: &mut Document, room: [u32; 2]) {
     });
     // A side that was typed is to stay.
     *follow &= params.size == before || params.size == room;
+}
+
+/// Which part of the picture is traced; whether the whole is wished for.
+fn crop(ui: &mut Ui, crop: Crop) -> bool {
+    let [x, y, side] = crop.parts().map(|part| percent(part));
+    widgets::field(ui, &labels::CROP, |ui, _| {
+        let words = match crop {
+            Crop::WHOLE => "the whole picture".to_owned(),
+            _ => format!("{side} at {x}, {y}"),
+        };
+        ui.weak(words).on_hover_text(labels::CROP.tip);
+        let button = Button::new(keys::binding(Action::Whole).name).small();
+        let tip = keys::tooltip(ui.ctx(), Action::Whole);
+        crop != Crop::WHOLE && ui.add(button).on_hover_text(tip).clicked()
+    })
 }
 
 fn seed(ui: &mut Ui, params: &mut Params) {

@@ -1,6 +1,7 @@
 //! The picture itself: drawn into its space, and the pointer's and arrow keys' way to the camera.
 
 use crate::viewer::document::Document;
+use crate::viewer::picture::crop;
 use crate::viewer::picture::orbit;
 use crate::viewer::picture::side::Side;
 use crate::viewer::picture::versus::{self, DifferenceTexture, Versus};
@@ -10,7 +11,7 @@ use burnish::progressive::{Params, Snapshot, State, TileGrid};
 use burnish::scene::{Camera, Scene};
 use egui::{
     CursorIcon, EventFilter, Id, Key, Modifiers, PointerButton, Pos2, Rect, Response, Role, Sense,
-    TextureOptions, Ui, Vec2, WidgetInfo, vec2,
+    Stroke, StrokeKind, TextureOptions, Ui, Vec2, WidgetInfo, vec2,
 };
 use glam::DVec3;
 use std::sync::Arc;
@@ -57,6 +58,8 @@ pub(crate) struct Canvas {
     pub(crate) hover: Option<Hover>,
     /// What a drag turns about or moves along: where it began, if a surface was there.
     held: Option<DVec3>,
+    /// Where a crop that is being dragged begins, in points.
+    cropping: Option<Pos2>,
     /// Where the picture was drawn last, in points; it may reach beyond its space.
     pub(crate) place: Option<Rect>,
     id: Option<Id>,
@@ -82,6 +85,7 @@ impl Canvas {
             offset: Vec2::ZERO,
             hover: None,
             held: None,
+            cropping: None,
             place: None,
             id: None,
             room: [640, 480],
@@ -188,7 +192,9 @@ impl Canvas {
             self.place = Some(places[0]);
             let under = response.hover_pos().is_some_and(|at| spaces[1].contains(at));
             let place = places[usize::from(under)];
-            self.pointer(ui, &response, document, place, times);
+            if !self.crop(ui, &response, document, place) {
+                self.pointer(ui, &response, document, place, times);
+            }
             keyboard(ui, &response, document);
             if response.has_focus() {
                 widgets::focus_frame(ui, places[0].intersect(space));
@@ -213,6 +219,29 @@ impl Canvas {
             }
             (Zoom::Fit, None) => 1.0,
         }
+    }
+
+    /// Ctrl and a drag: the part of the picture that is to be traced. Whether it is being chosen.
+    fn crop(&mut self, ui: &Ui, response: &Response, document: &mut Document, place: Rect) -> bool {
+        let (held, origin, at) =
+            ui.input(|i| (i.modifiers.command, i.pointer.press_origin(), i.pointer.interact_pos()));
+        if response.drag_started_by(PointerButton::Primary) && held {
+            self.cropping = origin.filter(|at| place.contains(*at));
+        }
+        let (Some(from), Some(to)) = (self.cropping, at) else { return false };
+        let part = crop::dragged(place, from, to);
+        if response.dragged_by(PointerButton::Primary) {
+            let stroke = Stroke::new(1.5, theme::accent_of(ui.visuals()));
+            let square = crop::on_screen(place, part.unwrap_or_default());
+            ui.painter().rect_stroke(square, 0.0, stroke, StrokeKind::Outside);
+            return true;
+        }
+        self.cropping = None;
+        if let Some(part) = part {
+            let camera = &mut document.params.camera;
+            camera.crop = camera.crop.of(part);
+        }
+        false
     }
 
     fn pointer(

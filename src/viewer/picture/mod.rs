@@ -1,6 +1,7 @@
 //! The picture on the screen: its textures, the pointer over it, the camera that the pointer moves.
 
 pub(crate) mod canvas;
+pub(crate) mod crop;
 pub(crate) mod difference;
 pub(crate) mod frozen;
 pub(crate) mod orbit;

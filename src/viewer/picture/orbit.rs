@@ -47,7 +47,8 @@ pub(crate) fn orbit(camera: &Camera, pivot: DVec3, yaw: f64, pitch: f64) -> Came
 
 /// Moves along the picture: by `right` and `up` of the picture's height where the pivot is.
 pub(crate) fn pan(camera: &Camera, pivot: DVec3, right: f64, up: f64) -> Camera {
-    let height = 2.0 * camera.ry * (camera.eye - pivot).dot(back(camera));
+    let [_, _, side] = camera.crop.parts();
+    let height = 2.0 * camera.ry * side * (camera.eye - pivot).dot(back(camera));
     let [x, y, _] = camera.axes();
     placed(camera, camera.eye + (x * right + y * up) * height, camera.orientation)
 }
@@ -64,7 +65,7 @@ fn back(camera: &Camera) -> DVec3 {
 
 /// The camera there, or the old one where that is out of reach.
 fn placed(camera: &Camera, eye: DVec3, orientation: DQuat) -> Camera {
-    Camera::new(eye, camera.ry, orientation).unwrap_or(*camera)
+    camera.moved(eye, orientation).unwrap_or(*camera)
 }
 
 #[cfg(test)]

@@ -154,6 +154,11 @@ pub(crate) const HEIGHT: Control =
     control("Height", "Height of the picture in pixels, 1 to 32768. Drag or type.");
 pub(crate) const PRESETS: Control =
     control("Presets", "Sizes in use, the scene file's, and the one that fills the window.");
+pub(crate) const CROP: Control = control(
+    "Crop",
+    "Which part of the camera's picture is traced, at the full size: drag over the picture with Ctrl to \
+     choose one, W for the whole. Its side, and its left and upper edge, in parts of the whole.",
+);
 pub(crate) const SEED: Control = control(
     "Seed",
     "Picks one of 2^64 independent pictures, 0 to 18446744073709551615: the same seed is the same \
@@ -304,7 +309,7 @@ pub(crate) fn table() -> Vec<(&'static str, Vec<(String, String)>)> {
     }));
     first.push(line(&SCENES));
 
-    let mut tracing = lines(&[SIZE, WIDTH, HEIGHT, PRESETS, SEED, NEXT_SEED, DEPTH]);
+    let mut tracing = lines(&[SIZE, WIDTH, HEIGHT, PRESETS, CROP, SEED, NEXT_SEED, DEPTH]);
     tracing.extend(Depth::ALL.map(|d| choice(&DEPTH, d.title(), d.tip())));
     tracing.extend(lines(&[DEPTH_LIMIT, THREADS]));
 

@@ -24,6 +24,12 @@ pub(crate) fn job(ui: &Ui, text: &str, style: TextStyle, colour: Color32) -> Lay
     job
 }
 
+/// Width of such a text in points.
+pub(crate) fn width(ui: &Ui, text: &str) -> f32 {
+    let job = job(ui, text, TextStyle::Body, Color32::WHITE);
+    ui.fonts_mut(|fonts| fonts.layout_job(job)).size().x
+}
+
 /// A tooltip with it.
 pub(crate) fn tip(ui: &Ui, text: &str) -> LayoutJob {
     job(ui, text, TextStyle::Body, ui.visuals().text_color())

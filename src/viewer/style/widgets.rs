@@ -183,12 +183,25 @@ pub(crate) fn section<R>(
 #[derive(Clone, Copy)]
 struct Revealing(bool);
 
-/// Opens the section of this name that is drawn next by this part of the window.
+/// Opens the section of this name that is drawn next by this part of the window, and shows it.
 pub(crate) fn open_section(ui: &Ui, id: impl std::hash::Hash + std::fmt::Debug) {
     let id = ui.make_persistent_id(id);
     let mut state = CollapsingState::load_with_default_open(ui.ctx(), id, true);
     state.set_open(true);
     state.store(ui.ctx());
+    ui.data_mut(|d| d.insert_temp(id, Revealing(true)));
+}
+
+/// Opens the section of this name, or closes it if it is open.
+pub(crate) fn turn_section(ui: &Ui, id: &'static str) {
+    let place = ui.make_persistent_id(id);
+    let mut state = CollapsingState::load_with_default_open(ui.ctx(), place, false);
+    if state.is_open() {
+        state.set_open(false);
+        state.store(ui.ctx());
+    } else {
+        open_section(ui, id);
+    }
 }
 
 /// Says that a button opens a menu.

@@ -429,3 +429,76 @@ fn the_full_screen_is_the_picture_s() {
     desk.harness.run_ok();
     assert!(!desk.app().full_screen && desk.harness.query_by_label("Pass limit").is_some());
 }
+
+#[test]
+fn a_part_of_the_picture_is_traced_alone() {
+    let mut desk = Desk::done(2);
+    let whole = desk.doc().params.camera;
+    // From a quarter to three quarters of the picture, either way.
+    let (from, by) =
+        (desk.point([16.0, 12.0]), desk.point([48.0, 36.0]) - desk.point([16.0, 12.0]));
+    let held = Modifiers::CTRL | Modifiers::COMMAND;
+    desk.harness.event(Event::ModifiersChanged(held));
+    desk.harness.hover_at(from);
+    desk.harness.step();
+    desk.press(from, PointerButton::Primary, true, held);
+    for i in 1..=4 {
+        desk.harness.hover_at(from + by * (i as f32 / 4.0));
+        desk.harness.step();
+        assert_eq!(desk.doc().params.camera, whole, "not before it is let go");
+    }
+    desk.press(from + by, PointerButton::Primary, false, held);
+    desk.harness.event(Event::ModifiersChanged(Modifiers::NONE));
+    desk.harness.run_ok();
+    let [x, y, side] = desk.doc().params.camera.crop.parts();
+    for (part, expected) in [(x, 0.25), (y, 0.25), (side, 0.5)] {
+        assert!((part - expected).abs() < 1e-3, "{x} {y} {side}");
+    }
+    desk.until_done(2);
+    // The balls are twice as large: their edges, black behind, are where they were, doubled.
+    let twice = desk.newest().mean();
+    let before = desk.app().render.as_ref().unwrap();
+    assert_eq!(before.told().size, [64, 48]);
+    let once = {
+        let params = burnish::progressive::Params { camera: whole, ..desk.doc().params.clone() };
+        burnish::progressive::render(params, 2, 1).unwrap().mean()
+    };
+    let dark = |p: [f32; 3]| p == [0.0; 3];
+    let differ = (0..48 * 64).filter(|i| {
+        let (x, y) = (i % 64, i / 64);
+        let small = once.pixels[(12 + y / 2) * 64 + 16 + x / 2];
+        dark(small) != dark(twice.pixels[*i])
+    });
+    assert!(differ.count() < 300, "not the part that was chosen");
+    assert!(twice.pixels.iter().any(|&p| dark(p)) && twice.pixels.iter().any(|&p| !dark(p)));
+    desk.key(Key::W);
+    assert_eq!(desk.doc().params.camera, whole);
+    desk.chord(held, Key::Z);
+    assert_eq!(desk.doc().params.camera.crop.parts(), [x, y, side], "an edit like others");
+}
+
+#[test]
+fn a_window_s_size_is_not_saved_with_the_scene() {
+    let mut desk = Desk::done(1);
+    desk.document(|d| d.follow = true);
+    desk.until("another size", |app| app.document.as_ref().unwrap().params.size != [64, 48]);
+    desk.chord(Modifiers::CTRL | Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    desk.until("the file", |app| app.saving.is_none() && app.notice.is_some());
+    let saved = std::fs::read_to_string(desk.folder.path().join("two-edited.scn")).unwrap();
+    assert_eq!(saved, SCENE);
+}
+
+#[test]
+fn sections_have_keys() {
+    let mut desk = Desk::done(1);
+    for (key, inside) in [(Key::L, "Quantity"), (Key::P, "Pixel")] {
+        let there = |desk: &Desk| desk.harness.query_all_by_label(inside).count();
+        let before = there(&desk);
+        desk.key(key);
+        settled(&mut desk);
+        let opened = there(&desk);
+        desk.key(key);
+        settled(&mut desk);
+        assert!(opened > before && there(&desk) == before, "{key:?}");
+    }
+}
