@@ -26,7 +26,8 @@
 //! file → [`scene::read`] (checked values and a report with line numbers) → [`scene::SceneBuilder`]
 //! (world units, f64) → [`scene::Scene`] (recentred, f32, with its tree) → [`progressive::Session`]
 //! (parameters in, snapshots out) → [`trace`] (seed, pixel, pass → radiance) → [`film`] (sums) →
-//! [`progressive::Snapshot`] → [`picture`] or the window. Arrows point one way.
+//! [`progressive::Snapshot`] → [`picture`] or the window. Arrows point one way. For whoever changes
+//! it, [`architecture`] says what is where and why.
 //!
 //! # Dictionary
 //!
@@ -42,6 +43,7 @@
 //! | pass | one sample in every pixel |
 //! | replicate | one of a few independent randomisations that passes are dealt to in turn |
 //! | epoch | the time between two changes of parameters |
+//! | erratum | one mistake of the source report, the document that this project began with, made on purpose |
 //!
 //! Radiance is in W/(m² sr) per channel, linear Rec. 709. World space is right-handed with Z up.
 //! BRDFs see local directions only, z being the shading normal, bent where it is seen from behind. Surfaces are opaque and two-sided.
@@ -51,6 +53,9 @@
 //! Textures, volumes, transmission, spectra, subsurface light, multiple scattering between
 //! microfacets. Files that ask for them are read with a warning.
 
+#[cfg(doc)]
+#[doc = include_str!("ARCHITECTURE.md")]
+pub mod architecture {}
 pub mod brdf;
 pub mod film;
 pub mod geometry;

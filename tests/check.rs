@@ -1,4 +1,4 @@
-//! The proofs themselves: the right code passes all, and each mistake of the seed is found.
+//! The proofs themselves: the right code passes all, and each mistake of the source report is found.
 
 use burnish::brdf::{Erratum, Model, Normals, Roughness};
 use burnish::measure::check::{Bound, CHANCE, EFFECT, Effort, Proof, Subject, finds, prove};

@@ -450,3 +450,13 @@ fn right_and_wrong_pictures_have_their_noise_in_common() {
     assert!((0.9..1.1).contains(&effect.noise_ratio), "{effect:?}");
     assert!(effect.margin.unwrap() < 0.002, "{effect:?}");
 }
+
+/// The page of the errata has each by its name, in the program's order.
+#[test]
+fn the_page_lists_every_erratum() {
+    let page = include_str!("../src/measure/errata.md");
+    let name = |line: &str| Some(line.strip_prefix("| `")?.split_once('`')?.0.to_owned());
+    let listed: Vec<String> =
+        page.lines().filter_map(name).filter(|name| !name.starts_with("--")).collect();
+    assert_eq!(listed, Erratum::ALL.map(Erratum::name));
+}

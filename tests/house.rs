@@ -1,5 +1,8 @@
-//! The walls of the house: who may know whom, and the one place of each foreign crate.
+//! The walls of the house: who may know whom, and the one place of each foreign crate. And its map:
+//! what pages for readers name has to exist.
 
+use burnish::brdf::Model;
+use burnish::scene::builtin::EXAMPLES;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -153,4 +156,162 @@ fn files_are_opened_in_few_places() {
         let opens = |l: &&String| l.contains("std::fs") || l.contains("File::");
         assert!(may || !lines.iter().any(|l| opens(&l)), "{file} opens files");
     }
+}
+
+/// The map for contributors.
+const MAP: &str = include_str!("../src/ARCHITECTURE.md");
+const README: &str = include_str!("../README.md");
+
+/// The cells of a table's row.
+fn cells(line: &str) -> Option<Vec<&str>> {
+    let row = line.trim().strip_prefix('|')?.strip_suffix('|')?;
+    Some(row.split('|').map(str::trim).collect())
+}
+
+/// What is set in code in a line of a page.
+fn spans(line: &str) -> impl Iterator<Item = &str> {
+    line.split('`').skip(1).step_by(2)
+}
+
+/// A page's lines but for those of its blocks of code.
+fn prose(page: &str) -> impl Iterator<Item = &str> {
+    let mut code = false;
+    page.lines().filter(move |line| {
+        let fence = line.starts_with("```");
+        code ^= fence;
+        !code && !fence
+    })
+}
+
+#[test]
+fn the_map_has_the_walls_as_they_are() {
+    let rows: Vec<(&str, Vec<&str>)> = MAP
+        .lines()
+        .filter_map(cells)
+        .filter(|cells| cells.len() == 4)
+        .filter_map(|cells| Some((spans(cells[0]).next()?, spans(cells[3]).collect())))
+        .collect();
+    let walls: Vec<_> = MAY_KNOW.iter().map(|(room, may)| (*room, may.to_vec())).collect();
+    assert_eq!(rows, walls);
+}
+
+/// Whether a line of code defines this name: an item, a variant or a field.
+fn defines(line: &str, name: &str) -> bool {
+    let ends = |rest: &str| !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_');
+    let after = |word: &str| {
+        line.match_indices(word).any(|(at, _)| {
+            let rest = &line[at + word.len()..];
+            let begins = at == 0 || ends(&line[at - 1..at]);
+            begins && rest.strip_prefix(name).is_some_and(ends)
+        })
+    };
+    let items = ["struct ", "enum ", "trait ", "type ", "fn ", "const ", "static ", "mod "];
+    let bare = line.split_once(") ").map_or(line, |(_, rest)| rest).trim_start_matches("pub ");
+    let rest = bare.strip_prefix(name);
+    let is_field = rest.is_some_and(|r| r.starts_with(':') && !r.starts_with("::"));
+    let is_variant = rest.is_some_and(|r| r.is_empty() || r.starts_with([',', '(', ' ']));
+    items.iter().any(|item| after(item)) || is_field || is_variant
+}
+
+/// Whether the sources have a `Name`, or a `Type::member` in a file that is about the type.
+fn is_there(sources: &[(String, Vec<String>)], name: &str) -> bool {
+    let (of, member) = name.split_once("::").unwrap_or(("", name));
+    sources.iter().any(|(_, lines)| {
+        let is_about = |l: &String| {
+            let heads = l.starts_with("impl") && l.split([' ', '<', '{']).any(|word| word == of);
+            heads || defines(l, of)
+        };
+        lines.iter().any(|l| defines(l, member)) && (of.is_empty() || lines.iter().any(is_about))
+    })
+}
+
+#[test]
+fn the_map_names_only_what_exists() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let sources = code();
+    let (mut paths, mut names) = (0, 0);
+    for (line, span) in prose(MAP).flat_map(|line| spans(line).map(move |span| (line, span))) {
+        let plain = |more: &str| span.chars().all(|c| c.is_alphanumeric() || more.contains(c));
+        if plain("_/.-") && (span.contains('/') || span.ends_with(".rs")) {
+            paths += 1;
+            let found = [root.join(span), root.join("src").join(span)];
+            assert!(found.iter().any(|path| path.exists()), "there is no {span}: {line}");
+        } else if plain("_:") && span.starts_with(char::is_uppercase) && span != "NAME" {
+            names += 1;
+            assert!(is_there(&sources, span), "the sources have no {span}: {line}");
+        }
+    }
+    assert!(paths > 60 && names > 60, "only {paths} paths and {names} names found");
+}
+
+#[test]
+fn what_is_named_is_told_from_what_is_not() {
+    let lines =
+        ["pub(super) struct Door<'a> {", "wide: bool,", "Open,", "impl Door<'_> {", "fn ajar("];
+    let sources = vec![("a.rs".to_owned(), lines.map(String::from).to_vec())];
+    for name in ["Door", "Open", "Door::ajar", "Door::wide"] {
+        assert!(is_there(&sources, name), "{name}");
+    }
+    for name in ["Doo", "Doors", "Door::aja", "Gate::ajar", "Shut"] {
+        assert!(!is_there(&sources, name), "{name}");
+    }
+}
+
+fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            pages(&path, found);
+        } else if path.extension().is_some_and(|e| e == "md") {
+            found.push(path);
+        }
+    }
+}
+
+/// The name by which a page is linked to at this heading.
+fn anchor(heading: &str) -> String {
+    let text = heading.trim_start_matches('#').trim().to_lowercase();
+    let kept = text.chars().filter(|&c| c.is_alphanumeric() || " -_".contains(c));
+    kept.map(|c| if c == ' ' { '-' } else { c }).collect()
+}
+
+#[test]
+fn links_between_pages_lead_somewhere() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut all = vec![root.join("README.md")];
+    for folder in ["src", "tests", "assets", "screenshots"] {
+        pages(&root.join(folder), &mut all);
+    }
+    let mut links = 0;
+    for page in &all {
+        let text = fs::read_to_string(page).unwrap();
+        let prose = prose(&text).collect::<Vec<_>>().join(" ");
+        for link in prose.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            if link.contains("://") {
+                continue;
+            }
+            links += 1;
+            let (file, place) = link.split_once('#').unwrap_or((link, ""));
+            let to = if file.is_empty() { page.clone() } else { page.with_file_name(file) };
+            assert!(to.exists(), "{}: {link} leads nowhere", page.display());
+            if !place.is_empty() {
+                let text = fs::read_to_string(&to).unwrap();
+                let has = text.lines().filter(|l| l.starts_with('#')).any(|l| anchor(l) == place);
+                assert!(has, "{}: {link}: no such heading", page.display());
+            }
+        }
+    }
+    assert!(links > 15, "only {links} links found");
+}
+
+#[test]
+fn the_readme_is_short_and_knows_every_scene_and_model() {
+    assert!(README.lines().count() < 200, "the README is to be read: details go to other pages");
+    let first: Vec<&str> = README.lines().filter_map(cells).map(|cells| cells[0]).collect();
+    let at = |name: &str| {
+        first.iter().position(|&cell| cell == name).unwrap_or_else(|| panic!("{name}"))
+    };
+    let scenes = EXAMPLES.map(|scene| at(&format!("`{}`", scene.name)));
+    assert!(scenes.is_sorted_by(|a, b| a + 1 == *b), "as the program lists them: {scenes:?}");
+    assert!(Model::ALL.map(|model| at(model.title())).is_sorted());
 }

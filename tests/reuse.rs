@@ -1,4 +1,4 @@
-//! Paths that share: the same light with less noise, in any company and on any instruction set.
+//! Paths that share: the same light with less noise, whichever pixels are traced together, on any instruction set.
 
 mod support;
 

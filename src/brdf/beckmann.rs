@@ -4,7 +4,7 @@
 //! | --- | --- | --- |
 //! | alpha, the slopes' root mean square times √2 | 1e-4 to 1 | 0.01 mirror, 0.1 polished metal, 0.5 matt |
 //!
-//! `D = exp(-tan²/alpha²) / (pi alpha² cos⁴)`. G1 is the seed's rational form, within 0.313 % of
+//! `D = exp(-tan²/alpha²) / (pi alpha² cos⁴)`. G1 is the source report's rational form, within 0.313 % of
 //! the exact one and unclamped; the sampler's density needs the exact one, with the error
 //! function, or it would not be a density. Highlights are compact, without GGX's halo.
 

@@ -5,9 +5,9 @@
 //! | alpha | 1e-4 to 1 | 0.01 mirror with a soft halo, 0.1 polished metal, 0.3 satin, 0.6 and up matt |
 //!
 //! `D = alpha² / (pi cos⁴ (alpha² + tan²)²)`,
-//! `G1 = 2 / (1 + sqrt(1 + alpha² tan²))`: the exact Smith form. (The seed prints a sum under the
-//! root and a second alpha in D; both are misprints.) Its tails are long: highlights have halos,
-//! and equal alpha looks rougher than Beckmann's. One bounce between facets only: the lobe loses
+//! `G1 = 2 / (1 + sqrt(1 + alpha² tan²))`: the exact Smith form. (The source report prints a sum
+//! under the root and a second alpha in D; both are misprints.) Its tails are long: highlights have
+//! halos, and equal alpha looks rougher than Beckmann's. One bounce between facets only: the lobe loses
 //! 2.8 % of the light at alpha 0.1 and 62 % at alpha 1.
 
 use super::{Microfacet, Model, Width};

@@ -42,9 +42,9 @@ pub struct LobeSample<L = f32> {
 pub struct Terms {
     /// D of the half vector.
     pub d: f32,
-    /// G1 of `wi`, as the seed has it.
+    /// G1 of `wi`, as the source report has it.
     pub g1i: f32,
-    /// G1 of `wo`, as the seed has it.
+    /// G1 of `wo`, as the source report has it.
     pub g1o: f32,
     /// Their product.
     pub g: f32,

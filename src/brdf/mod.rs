@@ -151,7 +151,7 @@ pub trait Microfacet: Copy + Send + Sync + 'static {
     /// `D cos` over the hemisphere is 1. Zero for `h.z <= 0`.
     fn d<L: Lane>(width: Width<L>, h: V3<L>) -> L;
 
-    /// `G1(w) / w.z`, as the seed has it: finite up to the horizon. The rational forms exceed
+    /// `G1(w) / w.z`, as the source report has it: finite up to the horizon. The rational forms exceed
     /// `1 / w.z` by up to 6.2e-5 of it just below their joint.
     fn g1_over_cos<L: Lane>(width: Width<L>, w: V3<L>) -> L;
 

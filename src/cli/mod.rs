@@ -169,3 +169,51 @@ impl From<io::Error> for Failure {
 fn print(line: impl Display) -> Result<(), Failure> {
     Ok(writeln!(io::stdout().lock(), "{}", plain::lines(&line.to_string()))?)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The commands of a page: lines of its blocks, and what it names with an option within its text.
+    fn commands(page: &str) -> Vec<String> {
+        let (mut found, mut text, mut block) = (Vec::new(), String::new(), false);
+        for line in page.lines() {
+            if line.starts_with("```") {
+                block = !block;
+            } else if block {
+                found.push(line.split("  #").next().unwrap_or(line).to_owned());
+            } else {
+                text += line;
+                text.push(' ');
+            }
+        }
+        found.extend(
+            text.split('`').skip(1).step_by(2).filter(|c| c.contains(" -")).map(String::from),
+        );
+        found.retain(|command| command.starts_with("burnish "));
+        found
+    }
+
+    #[test]
+    fn commands_on_pages_are_understood() {
+        let pages = [
+            include_str!("../../README.md"),
+            include_str!("COMMANDS.md"),
+            include_str!("../measure/accuracy.md"),
+            include_str!("../measure/errata.md"),
+            include_str!("../measure/speed.md"),
+        ];
+        let all: Vec<String> = pages.into_iter().flat_map(commands).collect();
+        assert!(all.len() > 50, "only {} commands found", all.len());
+        for command in all {
+            let words = command.replace(" NAME", " ggx-g-sum");
+            let parsed = Args::try_parse_from(words.split_whitespace());
+            let understood = parsed.map(|_| ()).map_err(|e| e.to_string());
+            assert_eq!(understood, Ok(()), "{command}");
+        }
+        for subcommand in command().get_subcommands().map(clap::Command::get_name) {
+            let is_there = pages[1].contains(&format!("burnish {subcommand} "));
+            assert!(is_there, "COMMANDS.md lacks {subcommand}");
+        }
+    }
+}

@@ -4,6 +4,8 @@
 //! of their noise is the same and falls out of the difference; pairs have seeds of their own. Of R
 //! pairs with pixels `x_k` and `r_k` and `d_k = x_k - r_k`, every figure below follows, the
 //! differences' own noise subtracted.
+//!
+#![doc = include_str!("errata.md")]
 
 use super::error::mean_margin;
 use crate::brdf::{Erratum, Model};

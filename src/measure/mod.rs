@@ -6,6 +6,9 @@
 //! BRDF and its sampler, [`exact`] scenes whose answer is known, [`random`] scenes drawn at random
 //! and rendered by both tracers, [`calibrate`] whether the error bar keeps its word, [`speed`] error
 //! against passes, seconds and rays, [`plot`] its curves, [`rays`] what rays cost, [`scaling`] how the time of a path grows with what is rendered.
+//!
+//! What was measured with them is on pages beside these sources: `accuracy.md`, `speed.md` and
+//! [`errata`].
 
 pub mod calibrate;
 pub mod check;

@@ -9,11 +9,11 @@ use crate::brdf::{Erratum, Evaluation, Formulas, LobeSample, Lobes, Model, View}
 use crate::geometry::Ray;
 use crate::math::{Rgb, V3};
 
-/// The chance with which the seed's roulette asks a light at all; it never divides by it.
+/// The chance with which the source report's roulette samples a light at all; it never divides by it.
 const SEED_SURVIVAL: f32 = 0.8;
-/// How near the seed wants a shadow ray's hit to the point asked for, in the scene's units.
+/// How near the source report's program wants a shadow ray's hit to the sampled point, in the scene's units.
 const SEED_TOLERANCE: f64 = 1e-6;
-/// How far off the seed's rays start, in the scene's units.
+/// How far off the source report's rays start, in the scene's units.
 const SEED_EPSILON: f64 = 1e-4;
 
 /// At most one mistake; without any, a model whose normals are drawn otherwise.

@@ -1,4 +1,4 @@
-//! What the seed got wrong, each as a switch: to see it, to measure it, and to prove that the
+//! What the source report got wrong, each as a switch: to see it, to measure it, and to prove that the
 //! checks would find it.
 //!
 //! An [`Erratum`] is one mistake; everything else stays right. Mistakes of a formula are wrong
@@ -23,12 +23,12 @@ use super::Model;
 use crate::math::{Frame, V3};
 use std::fmt;
 
-/// One mistake of the seed, its report or its program.
+/// One mistake of the source report or of its program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Erratum {
-    /// The report's `G1 = 2 / (1 + sqrt(1 + alpha² + tan²))`.
+    /// The source report's `G1 = 2 / (1 + sqrt(1 + alpha² + tan²))`.
     GgxGSum,
-    /// The report's D of GGX, with Beckmann's alpha in its denominator.
+    /// The source report's D of GGX, with Beckmann's alpha in its denominator.
     GgxDAlpha,
     /// Beckmann's normals drawn by the logarithm to base 10.
     BeckmannLog10,
@@ -99,7 +99,7 @@ impl Erratum {
         self.model().is_none_or(|m| m == model)
     }
 
-    /// What the seed does.
+    /// What the source report does.
     pub fn wrong(self) -> &'static str {
         self.about().wrong
     }

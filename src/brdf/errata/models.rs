@@ -20,8 +20,8 @@ pub struct GgxGSum<M = Ggx>(PhantomData<M>);
 #[derive(Clone, Copy, Debug)]
 pub struct GgxDAlpha<M = Ggx>(PhantomData<M>);
 
-/// [`Erratum::BeckmannLog10`](super::Erratum::BeckmannLog10): draws from `D cos`, as the seed
-/// does; a wrong logarithm has no place in the sampler of visible normals.
+/// [`Erratum::BeckmannLog10`](super::Erratum::BeckmannLog10): draws from `D cos`, as the source
+/// report does; a wrong logarithm has no place in the sampler of visible normals.
 #[derive(Clone, Copy, Debug)]
 pub struct BeckmannLog10;
 

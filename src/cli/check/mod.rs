@@ -19,7 +19,7 @@ use burnish::measure::energy::LobeEnergy;
   burnish check --model beckmann --alpha 0.02
   burnish check --full                              everything; takes minutes
   burnish check --scene 17                          a scene drawn at random, again
-  burnish check --erratum ggx-g-sum                 which proof finds that mistake of the seed?")]
+  burnish check --erratum ggx-g-sum                 which proof finds that mistake of the source report?")]
 pub(super) struct Args {
     /// Which BRDF; without it all of them, or the one that the erratum is about.
     #[arg(long, value_parser = values::model())]

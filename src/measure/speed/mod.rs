@@ -3,8 +3,8 @@
 //!
 //! Every repeat renders every variant once before the next begins (A B C A B C ...), so that a
 //! machine that slows down slows them alike; a warm-up that counts for nothing goes before. Each
-//! repeat has a seed of its own, so what is spread over repeats is the luck of the samples as well
-//! as the mood of the machine. Seconds are those of tracing alone.
+//! repeat has a seed of its own, so what is spread over repeats is the noise of the samples as well
+//! as that of the machine's speed. Seconds are those of tracing alone.
 
 mod fit;
 mod spread;

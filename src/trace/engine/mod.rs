@@ -92,8 +92,8 @@ const LIGHTS_ASKED: u32 = 4;
 
 impl Tracer {
     /// Radiance of one sample of each pixel, in their order: pass `pass` (from 0) of the pixels in
-    /// these columns and rows from the top, as [`Tracer::sample`] finds it. The same pixel gets the same bits in any company and on
-    /// any number of threads; they may differ from one instruction set to another.
+    /// these columns and rows from the top, as [`Tracer::sample`] finds it. The same pixel gets the same bits whichever
+    /// pixels are traced with it and on any number of threads; they may differ from one instruction set to another.
     pub fn sample_each(
         &self,
         pixels: &mut dyn Iterator<Item = [u32; 2]>,

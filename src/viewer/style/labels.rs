@@ -1,5 +1,5 @@
 //! The one table of what can be set in the window: the name that each control bears, for screen
-//! readers too, and what it does. Tooltips and the README's list are made from it; what has a key
+//! readers too, and what it does. Tooltips and `CONTROLS.md` are made from it; what has a key
 //! as well is in the table of [`keys`](crate::viewer::keys).
 
 /// A control.
@@ -286,7 +286,7 @@ pub(crate) const WATCH: Control = control(
 pub(crate) const DISMISS: Control = control("Dismiss", "Takes the message away.");
 pub(crate) const CLOSE: Control = control("Close", "Closes the help.");
 
-/// All of them by the part of the window that they are in, as name and words: for the README.
+/// All of them by the part of the window that they are in, as name and words: for `CONTROLS.md`.
 #[cfg(test)]
 pub(crate) fn table() -> Vec<(&'static str, Vec<(String, String)>)> {
     use crate::viewer::document::goal::Stop;

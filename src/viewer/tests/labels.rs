@@ -1,4 +1,4 @@
-//! Every control has a name and words, and the README lists them all.
+//! Every control has a name and words, and `CONTROLS.md` lists them all.
 
 use super::*;
 use crate::viewer::keys::{MOUSE, PICTURE_KEYS};
