@@ -100,10 +100,10 @@ pub struct LobeCurves {
     /// dense where the lobe is sharp.
     pub angles: Vec<f64>,
     /// The quantity at each, in the order of [`Model::ALL`].
-    pub values: [Vec<f64>; 3],
+    pub values: [Vec<f64>; Model::ALL.len()],
     /// Directional albedo at the viewer's angle, no unit, in the same order: the share of light from
     /// everywhere alike that leaves towards the viewer. Errors are below 2e-4.
-    pub albedo: [f64; 3],
+    pub albedo: [f64; Model::ALL.len()],
 }
 
 /// The curves at so many equally spaced angles, at least 2, and more where the lobe is sharp. Takes

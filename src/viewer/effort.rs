@@ -75,11 +75,12 @@ impl Effort {
         let quantile = |part: usize| all.get(all.len() * part / 100).copied().unwrap_or(0.0);
         let mut words = format!(
             "{} frames; own work of one by the clock: {:.2} ms in the middle, {:.2} ms at the 95th \
-             percentile, {:.2} ms at most, of which a processor was at work {:.2} ms at most; with \
+             percentile, {:.2} ms at the 99th, {:.2} ms at most, of which a processor was at work {:.2} ms at most; with \
              egui's and the graphics driver's: mean {:.1} ms",
             self.frames,
             1e3 * quantile(50),
             1e3 * quantile(95),
+            1e3 * quantile(99),
             1e3 * self.slowest[0].as_secs_f64(),
             1e3 * self.slowest[1].as_secs_f64(),
             1e3 * self.whole / self.frames.max(1) as f64,
