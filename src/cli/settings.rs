@@ -54,7 +54,7 @@ pub(super) struct Settings {
     #[arg(long, default_value = "visible", value_parser = values::normals())]
     normals: Normals,
     /// Makes one mistake of the report or the program that burnish grew from, to see what it does:
-    /// the picture is wrong on purpose. `burnish report --errata` measures them all.
+    /// the picture is wrong on purpose. `burnish report errata` measures them all.
     #[arg(long, value_name = "NAME", value_parser = values::erratum())]
     erratum: Option<Erratum>,
     /// Traces one path at a time with the tracer that is written to be read, not with the engine. The

@@ -242,7 +242,7 @@ pub struct Effort {
 
 impl Effort {
     /// What it costs, in about nanoseconds of one thread, in a scene of so many primitives: figures
-    /// measured once, by `burnish report --profile`, of which only the ratios matter.
+    /// measured once, by `burnish report profile`, of which only the ratios matter.
     pub fn work(&self, primitives: usize) -> f64 {
         let tree = 5.6 * (primitives.max(1) as f64).powf(0.25);
         let prices = [

@@ -69,8 +69,8 @@ fn every_help_has_an_example_that_names_its_subcommand() {
         (&["--help"][..], "burnish render table.scn -o table.png"),
         (&["render", "--help"], "burnish render table.scn -o table.exr"),
         (&["brdf", "--help"], "burnish brdf --eval"),
-        (&["report", "--help"], "burnish report --latency"),
-        (&["report", "--help"], "burnish report table.scn --plot"),
+        (&["report", "--help"], "burnish report latency"),
+        (&["report", "--help"], "burnish report speed table.scn --plot"),
         (&["render", "--help"], "-o out/{name}-{model}.png"),
         (&["compare", "--help"], "burnish compare fast.exr"),
         (&["check", "--help"], "burnish check --model"),
@@ -122,12 +122,12 @@ fn bad_arguments_are_code_2_and_named() {
         &["compare", "a.exr"],
         &["table.scn", "render", "-o", "never-written.png"],
         &["--threads", "2", "render", "-o", "never-written.png"],
-        &["report", "--model", "lambert"],
-        &["report", "--strategy", "mis,"],
-        &["report", "--exact", "-1"],
-        &["report", "--exact", "1", "--reference-passes", "64"],
-        &["report", "--latency", "--passes", "4"],
-        &["report", "--changes", "4"],
+        &["report", "speed", "--model", "lambert"],
+        &["report", "speed", "--strategy", "mis,"],
+        &["report", "speed", "--exact", "-1"],
+        &["report", "speed", "--exact", "1", "--reference-passes", "64"],
+        &["report", "latency", "--passes", "4"],
+        &["report", "speed", "--changes", "4"],
         &["brdf"],
         &["brdf", "--albedo", "--ks", "1.5"],
     ] {
@@ -250,8 +250,8 @@ fn a_missing_scene_is_code_1_and_named_in_one_line() {
     let (scene, picture) = (at(&folder, "no-such.scn"), at(&folder, "a.png"));
     for args in [
         &["render", &scene, "-o", &picture][..],
-        &["report", "--latency", &scene],
-        &["report", &scene],
+        &["report", "latency", &scene],
+        &["report", "speed", &scene],
         &[&scene],
     ] {
         let output = run(args);

@@ -6,7 +6,7 @@ use super::*;
 #[test]
 fn the_report_measures_every_erratum() {
     let small = ["--size", "40x30", "--passes", "8", "--repeats", "3"];
-    let text = must(&[&["report", "--errata"][..], &small].concat());
+    let text = must(&[&["report", "errata"][..], &small].concat());
     for erratum in burnish::brdf::Erratum::ALL {
         assert!(text.lines().any(|l| l.starts_with(erratum.name())), "{text}");
     }
@@ -14,13 +14,13 @@ fn the_report_measures_every_erratum() {
     let change: f64 = row.split_whitespace().nth(2).unwrap().parse().unwrap();
     assert!(change > 20.0, "{row}");
     for other in ["--latency", "--model=ggx", "--csv=never-written.csv"] {
-        assert_eq!(code(&run(&["report", "--errata", other])), 2, "{other}");
+        assert_eq!(code(&run(&["report", "errata", other])), 2, "{other}");
     }
 }
 
 #[test]
 fn latency_is_reported_with_what_it_leaves_out() {
-    let text = must(&["report", "--latency", "--size", "96x64", "--changes", "5"]);
+    let text = must(&["report", "latency", "--size", "96x64", "--changes", "5"]);
     for part in ["5 changes", "96x64", "p50", "p95", "max", "window system is not included"] {
         assert!(text.contains(part), "{part} in {text}");
     }
@@ -34,7 +34,7 @@ fn latency_is_reported_with_what_it_leaves_out() {
 
 #[test]
 fn rays_of_every_kind_are_counted_and_timed() {
-    let text = must(&["report", "--rays", "cornell", "--count", "500", "--repeats", "2"]);
+    let text = must(&["report", "rays", "cornell", "--count", "500", "--repeats", "2"]);
     for kind in ["camera", "bounce", "shadow"] {
         let row = text.lines().find(|l| l.starts_with(kind)).unwrap_or_else(|| panic!("{text}"));
         let cells: Vec<&str> = row.split_whitespace().collect();
@@ -44,22 +44,22 @@ fn rays_of_every_kind_are_counted_and_timed() {
     }
     assert!(text.contains("38 triangles") && text.contains("bytes a shape"), "{text}");
     for other in ["--latency", "--scaling", "--threads=1", "--passes=3"] {
-        assert_eq!(code(&run(&["report", "--rays", other])), 2, "{other}");
+        assert_eq!(code(&run(&["report", "rays", other])), 2, "{other}");
     }
 }
 
 #[test]
 fn growth_is_reported_with_triangles_lights_pixels_and_threads() {
-    let text = must(&["report", "--scaling", "--largest", "1000", "--repeats", "1"]);
+    let text = must(&["report", "scaling", "--largest", "1000", "--repeats", "1"]);
     for part in ["triangles", "lights", "pixels", "threads", "speed-up", "bytes", "power"] {
         assert!(text.contains(part), "{part} in {text}");
     }
     let fits = text.lines().filter(|l| l.starts_with("power ") && l.contains(" ns"));
     assert_eq!(fits.count(), 4, "{text}");
-    for wrong in ["--largest=10", "--rays", "--size=10x10"] {
-        assert_eq!(code(&run(&["report", "--scaling", wrong])), 2, "{wrong}");
+    for wrong in ["--largest=10", "--rays", "--size=10x10", "cornell"] {
+        assert_eq!(code(&run(&["report", "scaling", wrong])), 2, "{wrong}");
     }
-    assert_eq!(code(&run(&["report", "--largest", "5000"])), 2);
+    assert_eq!(code(&run(&["report", "speed", "--largest", "5000"])), 2);
 }
 
 /// The number in a line of `burnish compare` that begins with this name.
@@ -161,6 +161,7 @@ fn speed_against_error_is_a_table_a_sheet_and_a_plot() {
     let [csv, svg] = ["a.csv", "a.svg"].map(|name| at(&folder, name));
     let text = must(&[
         "report",
+        "speed",
         "--size",
         "32x24",
         "--passes",
@@ -235,13 +236,13 @@ fn a_report_takes_other_references() {
         (["--exact", "1"], 0.0),
         (["--reference-passes", "2"], 0.0),
     ] {
-        must(&[&["report", &scene, "--model", "ggx"][..], &few, &given].concat());
+        must(&[&["report", "speed", &scene, "--model", "ggx"][..], &few, &given].concat());
         for row in table(&fs::read_to_string(&csv).unwrap()) {
             let found: f64 = row["rel_mse"].parse().unwrap();
             assert!((found - expected).abs() < 1e-6, "{given:?}: {found}, not {expected}");
         }
     }
-    let output = run(&["report", &scene, "--size", "40x24", "--reference", &exr]);
+    let output = run(&["report", "speed", &scene, "--size", "40x24", "--reference", &exr]);
     let text = err(&output);
     assert!(code(&output) == 1 && text.contains("--size 32x24"), "{text}");
 }
@@ -266,7 +267,7 @@ fn check_prints_a_table_and_fails_with_a_proof() {
 #[test]
 fn the_profile_says_where_the_time_went() {
     let small = ["--size", "40x30", "--passes", "2"];
-    let text = must(&[&["report", "--profile", "cornell"][..], &small].concat());
+    let text = must(&[&["report", "profile", "cornell"][..], &small].concat());
     let row = |name: &str| {
         let line = text.lines().find(|l| l.starts_with(name)).unwrap_or_else(|| panic!("{text}"));
         let cells: Vec<&str> = line[name.len()..].split_whitespace().collect();
@@ -277,7 +278,7 @@ fn the_profile_says_where_the_time_went() {
     assert!(row("nearest hit") > 1.0 && row("between points shared") > 1.0, "{text}");
     assert!(text.contains("lanes in use"), "{text}");
     for other in ["--latency", "--rays", "--threads=1"] {
-        assert_eq!(code(&run(&["report", "--profile", other])), 2, "{other}");
+        assert_eq!(code(&run(&["report", "profile", other])), 2, "{other}");
     }
 }
 
@@ -308,4 +309,15 @@ fn a_pixel_is_replayed_with_its_group() {
     assert!(apart.contains("every path for itself") && apart.lines().count() == 3, "{apart}");
     let outside = run(&["pixel", "cornell", "512", "0", "0"]);
     assert_eq!(code(&outside), 1);
+}
+
+/// What was a flag says what it is now.
+#[test]
+fn old_flags_of_the_report_name_their_commands() {
+    for kind in ["latency", "errata", "rays", "scaling", "profile"] {
+        let output = run(&["report", &format!("--{kind}"), "cornell"]);
+        let text = err(&output);
+        assert_eq!(code(&output), 2, "{text}");
+        assert!(text.contains(&format!("burnish report {kind}")), "{text}");
+    }
 }

@@ -48,7 +48,7 @@ fn no_command_writes_over_what_it_reads_or_twice_over_one_file() {
         (1, &["compare", "a.exr", "b.exr", "--flip", "link.exr"]),
         (1, &["compare", "hard.exr", "b.exr", "-o", "a.exr"]),
         (2, &["compare", "a.exr", "b.exr", "-o", "d.png", "--flip", "./d.png"]),
-        (2, &["report", "a.scn", "--csv", "x", "--plot", "x"]),
+        (2, &["report", "speed", "a.scn", "--csv", "x", "--plot", "x"]),
     ];
     for (expected, args) in cases {
         let output = burnish().args(args).current_dir(folder.path()).output().unwrap();

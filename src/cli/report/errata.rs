@@ -1,18 +1,39 @@
-//! `burnish report --errata`: what each mistake does to the picture of a scene.
+//! `burnish report errata`: what each mistake does to the picture of a scene.
 
-use super::Args;
 use super::table::Table;
+use super::{Repeats, Scenes, Threads};
 use crate::cli::figures::significant;
 use crate::cli::{Failure, print, say, scene, values};
 use burnish::brdf::{Erratum, Model};
 use burnish::measure::errata::{Bench, Effect};
 use burnish::picture::Picture;
-use burnish::progressive::Params;
+use burnish::progressive::{Params, Session};
 use std::path::Path;
+
+/// Measures what each mistake on purpose does: the same passes with it and without, and the difference.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  burnish report errata --passes 256 --repeats 8
+  burnish report errata shell --size 160x120")]
+pub(super) struct Args {
+    #[command(flatten)]
+    scenes: Scenes,
+    /// Width and height in pixels.
+    #[arg(long, value_name = "WxH", default_value = "320x240", value_parser = values::size)]
+    size: [u32; 2],
+    /// Passes of each picture.
+    #[arg(long, value_name = "N", default_value_t = 64,
+          value_parser = clap::value_parser!(u64).range(1..=Session::MAX_PASSES))]
+    passes: u64,
+    #[command(flatten)]
+    repeats: Repeats,
+    #[command(flatten)]
+    threads: Threads,
+}
 
 /// Measures and prints, scene by scene.
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    args.scenes().into_iter().try_for_each(|path| measure(args, path))?;
+    args.scenes.each().try_for_each(|path| measure(args, path))?;
     print(LEGEND)
 }
 
@@ -24,14 +45,13 @@ const LEGEND: &str = "x with the erratum, r without; means over pixels and chann
 
 fn measure(args: &Args, path: Option<&Path>) -> Result<(), Failure> {
     let loaded = scene::load(path)?;
-    let options = &args.speed;
     let params = Params::new(loaded.scene.clone());
-    let size = args.size.unwrap_or([320, 240]);
+    let (size, threads) = (args.size, args.threads.threads);
     let bench = Bench {
-        base: Params { size, seed: options.seed, ..params },
-        passes: options.passes,
-        pairs: options.repeats,
-        threads: args.threads,
+        base: Params { size, seed: args.repeats.seed, ..params },
+        passes: args.passes,
+        pairs: args.repeats.repeats,
+        threads,
     };
     let mut table = Table::new(&["erratum", "model", "change", "rel. RMSE", "noise", "noise of x"]);
     let pictures = |model, erratum| bench.pictures(model, erratum).map_err(Failure::new);
@@ -50,7 +70,7 @@ fn measure(args: &Args, path: Option<&Path>) -> Result<(), Failure> {
         loaded.scene.name(),
         bench.pairs,
         bench.passes,
-        values::worker_count(args.threads)
+        values::worker_count(threads)
     ))
 }
 

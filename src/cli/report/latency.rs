@@ -1,6 +1,6 @@
-//! `burnish report --latency`: how soon a change is seen.
+//! `burnish report latency`: how soon a change is seen.
 
-use super::Args;
+use super::{Scenes, Threads};
 use crate::cli::snapshots::next;
 use crate::cli::{Failure, print, scene, values};
 use burnish::brdf::Roughness;
@@ -10,16 +10,36 @@ use burnish::progressive::{Params, Session, Snapshot, TILE};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+/// Measures the time from a change of roughness to the tone-mapped picture that shows it.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  burnish report latency table.scn --size 1600x1200 --changes 200
+  burnish report latency cornell --threads 2")]
+pub(super) struct Args {
+    #[command(flatten)]
+    scenes: Scenes,
+    /// Width and height in pixels.
+    #[arg(long, value_name = "WxH", default_value = "1600x1200", value_parser = values::size)]
+    size: [u32; 2],
+    /// How many changes.
+    #[arg(long, value_name = "N", default_value_t = 200,
+          value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    changes: u32,
+    #[command(flatten)]
+    threads: Threads,
+}
+
 /// Measures and prints, scene by scene.
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    args.scenes().into_iter().try_for_each(|path| measure(args, path))
+    args.scenes.each().try_for_each(|path| measure(args, path))
 }
 
 fn measure(args: &Args, path: Option<&Path>) -> Result<(), Failure> {
     let loaded = scene::load(path)?;
     let mut params = Params::new(loaded.scene);
-    params.size = args.size.unwrap_or([1600, 1200]);
-    let session = Session::start(params.clone(), Session::MAX_PASSES, args.threads, || {})
+    params.size = args.size;
+    let threads = args.threads.threads;
+    let session = Session::start(params.clone(), Session::MAX_PASSES, threads, || {})
         .map_err(Failure::new)?;
     let mut screen = Screen::new();
     let (mut times, mut first) = (Vec::new(), None);
@@ -31,7 +51,7 @@ fn measure(args: &Args, path: Option<&Path>) -> Result<(), Failure> {
         first = Some(snapshot);
     }
     let [w, h] = params.size;
-    let (changes, threads) = (args.changes, values::worker_count(args.threads));
+    let (changes, threads) = (args.changes, values::worker_count(threads));
     print(format_args!("{changes} changes of roughness, {w}x{h}, {threads} worker threads"))?;
     print(summary("first changed picture, coarse or fine, tone-mapped", &mut times))?;
     if let Some(first) = first.filter(|s| s.passes == 0) {

@@ -1,24 +1,44 @@
-//! `burnish report --profile`: where the time goes.
+//! `burnish report profile`: where the time goes.
 
-use super::Args;
+use super::Scenes;
 use super::table::Table;
-use crate::cli::{Failure, print, scene};
+use crate::cli::{Failure, print, scene, values};
 use burnish::measure::profile::Profile;
-use burnish::progressive::Params;
+use burnish::progressive::{Params, Session};
 use burnish::trace::Stage;
 use std::path::Path;
 
+/// Measures where the engine's time goes, on one thread: by stage, rays by kind, lanes in use.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  burnish report profile table.scn --passes 16
+  burnish report profile cornell --size 640x480")]
+pub(super) struct Args {
+    #[command(flatten)]
+    scenes: Scenes,
+    /// Width and height in pixels.
+    #[arg(long, value_name = "WxH", default_value = "320x240", value_parser = values::size)]
+    size: [u32; 2],
+    /// Passes.
+    #[arg(long, value_name = "N", default_value_t = 64,
+          value_parser = clap::value_parser!(u64).range(1..=Session::MAX_PASSES))]
+    passes: u64,
+    /// Picks one of 2^64 independent pictures.
+    #[arg(long, value_name = "K", default_value_t = 0)]
+    seed: u64,
+}
+
 /// Measures and prints, scene by scene.
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    args.scenes().into_iter().try_for_each(|path| measure(args, path))
+    args.scenes.each().try_for_each(|path| measure(args, path))
 }
 
 fn measure(args: &Args, path: Option<&Path>) -> Result<(), Failure> {
     let scene = scene::load(path)?.scene;
-    let size = args.size.unwrap_or([320, 240]);
-    let params = Params { size, seed: args.speed.seed, ..Params::new(scene.clone()) };
+    let Args { size, seed, passes, .. } = *args;
+    let params = Params { size, seed, ..Params::new(scene.clone()) };
     params.check().map_err(Failure::new)?;
-    let Some(profile) = Profile::new(&params, args.speed.passes) else {
+    let Some(profile) = Profile::new(&params, passes) else {
         return Err(Failure::new("there is nothing to measure: the picture has no paths"));
     };
     let paths = profile.paths.max(1) as f64;
@@ -60,7 +80,7 @@ fn measure(args: &Args, path: Option<&Path>) -> Result<(), Failure> {
         scene.name(),
         size[0],
         size[1],
-        args.speed.passes,
+        passes,
         scene.bvh().isa().name(),
         profile.group.paths(),
         paths / profile.time.as_secs_f64() / 1e6,

@@ -1,24 +1,43 @@
-//! `burnish report --rays`: what rays cost, by kind.
+//! `burnish report rays`: what rays cost, by kind.
 
-use super::Args;
 use super::table::Table;
-use crate::cli::{Failure, print, scene};
+use super::{Repeats, Scenes};
+use crate::cli::{Failure, print, scene, values};
 use burnish::measure::rays::{RayBench, TOGETHER};
 use burnish::measure::speed::Spread;
 use std::path::Path;
 
+/// Measures rays a second on one thread: from the camera, scattered, towards lights.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  burnish report rays table.scn
+  burnish report rays cornell --count 1000000")]
+pub(super) struct Args {
+    #[command(flatten)]
+    scenes: Scenes,
+    /// Width and height in pixels.
+    #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = values::size)]
+    size: [u32; 2],
+    /// How many rays of each kind.
+    #[arg(long, value_name = "N", default_value_t = 1 << 18,
+          value_parser = clap::value_parser!(u64).range(1..=1 << 26))]
+    count: u64,
+    #[command(flatten)]
+    repeats: Repeats,
+}
+
 /// Measures and prints, scene by scene.
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    args.scenes().into_iter().try_for_each(|path| measure(args, path))
+    args.scenes.each().try_for_each(|path| measure(args, path))
 }
 
 fn measure(args: &Args, path: Option<&Path>) -> Result<(), Failure> {
     let scene = scene::load(path)?.scene;
     let bench = RayBench {
-        rays: args.count,
-        size: args.size.unwrap_or([640, 480]),
-        repeats: args.speed.repeats,
-        seed: args.speed.seed,
+        rays: args.count as usize,
+        size: args.size,
+        repeats: args.repeats.repeats,
+        seed: args.repeats.seed,
     };
     let together = format!("{TOGETHER} together");
     let mut table = Table::new(&["M rays/s", "rays", "hits", "one by one", &together]);

@@ -1,25 +1,43 @@
-//! `burnish report --scaling`: how the time of a path grows.
+//! `burnish report scaling`: how the time of a path grows.
 
-use super::Args;
 use super::table::Table;
+use super::{Repeats, Threads};
 use crate::cli::figures::significant;
 use crate::cli::{Failure, print, say, stats, values};
 use burnish::measure::scaling::{Growth, Row, Scaling, ScalingError};
 use burnish::measure::speed::Fit;
 
+/// Measures the time of a path against the number of triangles, lights, pixels and threads, in scenes
+/// made for it, and how it grows.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  burnish report scaling --largest 100000
+  burnish report scaling --repeats 9")]
+pub(super) struct Args {
+    /// Most triangles; lights go up to a thousandth of it, pixels to a fifth. 100000 takes seconds,
+    /// 10000000 minutes and 4 GB of memory.
+    #[arg(long, value_name = "N", default_value_t = 10_000_000,
+          value_parser = clap::value_parser!(u32).range(1000..=100_000_000))]
+    largest: u32,
+    #[command(flatten)]
+    repeats: Repeats,
+    #[command(flatten)]
+    threads: Threads,
+}
+
 /// Measures and prints, table by table.
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let scaling = Scaling {
         largest: args.largest,
-        repeats: args.speed.repeats,
-        seed: args.speed.seed,
-        threads: args.threads,
+        repeats: args.repeats.repeats,
+        seed: args.repeats.seed,
+        threads: args.threads.threads,
     };
     print(format_args!(
         "a ball with hills in a closed room, all diffuse; {} worker threads; medians of {} repeats, \
          in brackets the lowest and highest\n",
-        values::worker_count(args.threads),
-        args.speed.repeats
+        values::worker_count(scaling.threads),
+        scaling.repeats
     ))?;
     type Measure = fn(&Scaling) -> Result<Vec<Row>, ScalingError>;
     let tables: [(&str, Measure); 4] = [

@@ -1,6 +1,6 @@
-//! `burnish report SCENE...`: speed against error.
+//! `burnish report speed`: speed against error.
 
-use super::{sheet, table};
+use super::{Repeats, Scenes, Threads, sheet, table};
 use crate::cli::outputs::{self, Failures};
 use crate::cli::values::{self, Chosen, chosen};
 use crate::cli::{Failure, print, say, scene, stats};
@@ -13,10 +13,21 @@ use burnish::plain;
 use burnish::progressive::{Params, Session, Strategy};
 use std::path::{Path, PathBuf};
 
-/// What is measured against what.
+/// Measures how the error falls with time, of every way to sample.
 #[derive(Debug, clap::Args)]
-#[group(id = "speed", multiple = true, conflicts_with_all = ["latency", "changes"])]
+#[command(allow_negative_numbers = true)]
+#[command(after_help = "Examples:
+  burnish report speed table.scn --plot table.svg --csv table.csv
+  burnish report speed --model ggx --strategy mis,bsdf --passes 256 --size 640x480
+  burnish report speed furnace --exact 1 --seconds 5")]
 pub(super) struct Args {
+    #[command(flatten)]
+    scenes: Scenes,
+    /// Width and height in pixels.
+    #[arg(long, value_name = "WxH", default_value = "320x240", value_parser = values::size)]
+    size: [u32; 2],
+    #[command(flatten)]
+    threads: Threads,
     /// Which BRDFs: all, or some of phong, beckmann, ggx with commas between.
     #[arg(long, value_name = "MODELS", default_value = "all",
           value_parser = chosen(Model::ALL, Model::name))]
@@ -33,17 +44,12 @@ pub(super) struct Args {
     /// Passes of the last checkpoint; the others are the powers of 2 below.
     #[arg(long, value_name = "N", default_value_t = 64,
           value_parser = clap::value_parser!(u64).range(1..=Session::MAX_PASSES))]
-    pub(super) passes: u64,
+    passes: u64,
     /// Ends a curve before a checkpoint that would come after so many seconds.
     #[arg(long, value_name = "S", value_parser = values::seconds)]
     seconds: Option<f64>,
-    /// How often everything is measured; medians of fewer than 5 tell little.
-    #[arg(long, value_name = "R", default_value_t = 5,
-          value_parser = clap::value_parser!(u32).range(1..=1000))]
-    pub(super) repeats: u32,
-    /// Seed of the first repeat; the others have the next ones.
-    #[arg(long, value_name = "K", default_value_t = 0)]
-    pub(super) seed: u64,
+    #[command(flatten)]
+    repeats: Repeats,
     /// Passes of the reference, rendered for each model with MIS in two halves of seeds that no
     /// repeat has; 16 times --passes without it.
     #[arg(long, value_name = "N", conflicts_with_all = ["reference", "exact"],
@@ -76,25 +82,24 @@ pub(super) struct Measured {
 }
 
 /// Measures, prints and writes.
-pub(super) fn run(args: &super::Args) -> Result<(), Failure> {
-    let options = &args.speed;
-    let files = || options.csv.iter().chain(&options.plot);
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let files = || args.csv.iter().chain(&args.plot);
     outputs::are_distinct(files());
-    let scenes = args.scenes.iter().map(PathBuf::as_path);
-    outputs::are_no_inputs(files(), scenes.chain(options.reference.as_deref()))?;
+    let scenes = args.scenes.scenes.iter().map(PathBuf::as_path);
+    outputs::are_no_inputs(files(), scenes.chain(args.reference.as_deref()))?;
     outputs::can_be_written(files())?;
     let mut all = Vec::new();
-    for path in args.scenes() {
+    for path in args.scenes.each() {
         let measured = measure(args, path)?;
         print(table::of(&measured))?;
         all.push(measured);
     }
     print(table::legend())?;
     let mut failures = Failures::default();
-    if let Some(path) = &options.csv {
+    if let Some(path) = &args.csv {
         failures.note(sheet::write(path, &all));
     }
-    if let Some(path) = &options.plot {
+    if let Some(path) = &args.plot {
         failures.note(plot(path, &all));
     }
     failures.finish()
@@ -106,10 +111,10 @@ fn plot(path: &Path, all: &[Measured]) -> Result<(), Failure> {
     replace_file(path, |sink| sink.write_all(svg.as_bytes())).map_err(Failure::new)
 }
 
-fn measure(args: &super::Args, path: Option<&Path>) -> Result<Measured, Failure> {
+fn measure(args: &Args, path: Option<&Path>) -> Result<Measured, Failure> {
     let scene = scene::load(path)?.scene;
-    let plan = args.speed.plan(args, Params::new(scene.clone()));
-    let (truth, words) = args.speed.truth(plan.base.size)?;
+    let plan = args.plan(Params::new(scene.clone()));
+    let (truth, words) = args.truth(plan.base.size)?;
     let watch = |stage| match stage {
         Stage::Reference(model) => say(format_args!("reference for {}: {words}", model.title())),
         Stage::WarmUp => say("warm-up"),
@@ -127,14 +132,14 @@ fn measure(args: &super::Args, path: Option<&Path>) -> Result<Measured, Failure>
 }
 
 impl Args {
-    fn plan(&self, args: &super::Args, base: Params) -> Plan {
+    fn plan(&self, base: Params) -> Plan {
         Plan {
             variants: Variant::all(&self.model.0, &self.strategy.0, &self.normals.0),
-            base: Params { size: args.size.unwrap_or([320, 240]), seed: self.seed, ..base },
+            base: Params { size: self.size, seed: self.repeats.seed, ..base },
             passes: self.passes,
             seconds: self.seconds,
-            repeats: self.repeats,
-            threads: args.threads,
+            repeats: self.repeats.repeats,
+            threads: self.threads.threads,
         }
     }
 
