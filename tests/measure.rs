@@ -486,6 +486,7 @@ fn a_plot_is_well_formed_whatever_the_numbers() {
         label: label.into(),
         colour: 7,
         mark: 3,
+        last_only: dots.len() == 6,
         dashed: true,
         dots,
     };
@@ -493,6 +494,7 @@ fn a_plot_is_well_formed_whatever_the_numbers() {
         title: "<\"A\" & 'B'>".into(),
         x: "seconds".into(),
         y: "error".into(),
+        upright: ["95 %", "limits"],
         curves: vec![curve("first & last", dots), curve("none", vec![])],
     };
     let good =

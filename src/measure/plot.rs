@@ -19,6 +19,8 @@ pub struct Panel {
     pub x: String,
     /// What y is, with its unit.
     pub y: String,
+    /// What the thin upright lines are, in two lines of the legend.
+    pub upright: [&'static str; 2],
     /// In the order of the legend.
     pub curves: Vec<Curve>,
 }
@@ -33,6 +35,8 @@ pub struct Curve {
     pub colour: usize,
     /// Which of the marks.
     pub mark: usize,
+    /// Whether the last dot alone has a mark and an upright line: where there are hundreds.
+    pub last_only: bool,
     /// Whether the line is broken.
     pub dashed: bool,
     /// In the order of x. Those with a coordinate that has no logarithm are left out.
@@ -151,12 +155,15 @@ fn draw_curve(chart: &mut Chart, root: &Area, curve: &Curve) -> Drawn {
     } else {
         chart.draw_series(LineSeries::new(line.clone(), style)).map_err(words)?;
     }
-    let bars = drawn.iter().map(|d| {
+    let marked = if curve.last_only { drawn.len().saturating_sub(1) } else { 0 };
+    let bars = drawn[marked..].iter().map(|d| {
         let ends = d.ends().map(|y| (d.x, y));
         PathElement::new(ends.to_vec(), colour.mix(0.6).stroke_width(1))
     });
     chart.draw_series(bars).map_err(words)?;
-    line.iter().try_for_each(|at| draw_mark(root, curve.mark, chart.backend_coord(at), colour))
+    line[marked..]
+        .iter()
+        .try_for_each(|at| draw_mark(root, curve.mark, chart.backend_coord(at), colour))
 }
 
 /// A mark centred at a pixel of the area.
@@ -204,8 +211,8 @@ fn draw_legend(panel: &Panel, area: &Area) -> Drawn {
         "efficiency, tenfold from",
         "one line to the next",
         "",
-        "upright: lowest to",
-        "highest of all repeats",
+        panel.upright[0],
+        panel.upright[1],
     ];
     for (row, note) in notes.into_iter().enumerate() {
         let y = y + row as i32 * (LEGEND_LINE - 5);
@@ -298,6 +305,27 @@ fn number(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Points of which the last alone is marked, and its limits drawn.
+    #[test]
+    fn a_curve_of_many_points_has_one_mark() {
+        let dot = |i: u32| {
+            let x = f64::from(i);
+            Dot { x, y: 1.0 / x.sqrt(), range: [0.9 / x.sqrt(), 1.1 / x.sqrt()] }
+        };
+        let circles = |last_only| {
+            let label = "one".to_owned();
+            let dots = (1..=300).map(dot).collect();
+            let curve = Curve { label, colour: 0, mark: 0, last_only, dashed: false, dots };
+            let [title, x, y] = ["title", "seconds", "error in %"].map(str::to_owned);
+            let panel = Panel { title, x, y, upright: ["95 %", "limits"], curves: vec![curve] };
+            let text = log_log(&[panel]).unwrap();
+            assert!(text.contains("95 %") && !text.contains("NaN"));
+            text.matches("<circle").count()
+        };
+        // One more in the legend.
+        assert_eq!([circles(false), circles(true)], [301, 2]);
+    }
 
     #[test]
     fn labels_are_short_and_right() {

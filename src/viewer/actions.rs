@@ -2,11 +2,12 @@
 
 use crate::viewer::app::App;
 use crate::viewer::document::command;
-use crate::viewer::jobs::save::{Job, Plot, PlotJob, Saving, SceneJob, stem};
+use crate::viewer::jobs::save::{Job, PlotJob, Saving, SceneJob, stem};
 use crate::viewer::keys::Action;
-use crate::viewer::panels::lobe::{Content, Export};
+use crate::viewer::panels::export::{Content, Export};
 use crate::viewer::panels::notice::Notice;
 use crate::viewer::panels::view::View;
+use crate::viewer::style::labels;
 use burnish::progressive::Recipe;
 use burnish::scene::{Axis, Crop};
 use egui::{Context, ViewportCommand};
@@ -40,6 +41,7 @@ impl App {
             Action::Pixel => self.turned = Some("pixel"),
             Action::CopyPicture => self.copy_picture(ctx),
             Action::Dismiss => self.dismiss(ctx),
+            Action::Layer => self.next_layer(),
             Action::HidePanel => self.alone = !self.alone,
             Action::Export => self.export(ctx),
             Action::TurnUp => self.turn_up(ctx),
@@ -146,17 +148,17 @@ impl App {
         }
     }
 
-    /// Does with the lobes' curves what was asked for.
+    /// Does with a plot's curves what was asked for.
     fn export(&mut self, ctx: &Context) {
-        let Some(Export { stem, content }) = self.lobe.export.take() else { return };
+        let ready = self.lobe.exports.take().or_else(|| self.error.exports.take());
+        let Some(Export { stem, content }) = ready else { return };
         let plot = match content {
             Content::Copied(text) => {
                 let lines = text.lines().count();
                 self.notice = Some(Notice::news(format!("Copied a table of {lines} lines")));
                 return ctx.copy_text(text);
             }
-            Content::Svg(curves, style) => Plot::Svg(curves, style),
-            Content::Png(image) => Plot::Png(image),
+            Content::File(plot) => plot,
         };
         if self.is_saving() {
             return;
@@ -180,6 +182,15 @@ impl App {
             self.notice = Some(Notice::news("The file before is still being written"));
         }
         self.saving.is_some()
+    }
+
+    /// Shows the next of picture, noise map and sample map.
+    fn next_layer(&mut self) {
+        if self.compare.is_difference() {
+            self.notice = Some(Notice::news(labels::LAYER_NONE));
+            return;
+        }
+        self.canvas.layer = self.canvas.layer.next();
     }
 
     /// Keeps the picture as it is, to compare others with.

@@ -14,6 +14,7 @@ use crate::viewer::keys::{self, Action};
 use crate::viewer::panels::compare::{Compare, Frozen};
 use crate::viewer::panels::controls::Controls;
 use crate::viewer::panels::energy::Energy;
+use crate::viewer::panels::error::ErrorPanel;
 use crate::viewer::panels::help::Help;
 use crate::viewer::panels::kept::KeptPanel;
 use crate::viewer::panels::lobe::LobePanel;
@@ -91,6 +92,7 @@ pub(super) struct App {
     pub(super) compare: Compare,
     view: View,
     pub(super) lobe: LobePanel,
+    pub(super) error: ErrorPanel,
     pub(super) pixel: PixelPanel,
     materials: Materials,
     tracing: TracingPanel,
@@ -147,6 +149,7 @@ impl App {
             compare: Compare::new(),
             view: View,
             lobe: LobePanel::new(),
+            error: ErrorPanel::new(),
             pixel: PixelPanel::new(),
             materials: Materials::default(),
             tracing: TracingPanel::default(),
@@ -284,7 +287,7 @@ impl App {
     /// Has the window's title say what is shown and how far it is.
     fn name_window(&mut self, ctx: &Context) {
         let (Some(document), Some(render)) = (&self.document, &self.render) else { return };
-        let part = render.newest.as_ref().and_then(|s| document.goal.part(s));
+        let part = render.newest.as_ref().and_then(|s| document.goal.part(s, render.outlook()));
         let ahead = part.filter(|_| !render.is_done()).map_or(String::new(), |part| {
             // In few steps: a title is not a clock.
             format!("{:.0} % - ", (20.0 * part).floor() * 5.0)
@@ -331,6 +334,7 @@ impl App {
                 snapshot: render.and_then(|r| r.newest.as_ref()),
                 done: render.is_some_and(Render::is_done),
                 latency: render.and_then(|r| r.latency),
+                outlook: render.map(Render::outlook).unwrap_or_default(),
                 hover: self.canvas.hover.as_ref(),
                 loading: self.loading.as_ref().map(|l| l.name.as_str()),
             },
@@ -361,7 +365,11 @@ impl App {
                 self.lobe.ui(ui, document, &mut asked);
                 self.pixel.ui(ui, document, &mut asked);
                 self.materials.ui(ui, document);
-                asked.extend(self.view.ui(ui, document));
+                let layer = Some(&mut self.canvas.layer).filter(|_| !self.compare.is_difference());
+                asked.extend(self.view.ui(ui, document, layer));
+                if let Some(render) = &mut self.render {
+                    self.error.ui(ui, document, render, &self.compare, &mut asked);
+                }
                 threads = self.tracing.ui(ui, document, self.threads, self.canvas.room);
                 if let Some(render) = &self.render {
                     KeptPanel.ui(ui, render.kept(), &mut self.settings.switching);

@@ -29,6 +29,7 @@ pub(super) enum Action {
     Lobes,
     Pixel,
     CopyPicture,
+    Layer,
     HidePanel,
     TurnUp,
     Zoom,
@@ -246,6 +247,14 @@ pub(super) const TABLE: &[Binding] = &[
         name: "Pixel",
         does: "What the clicked pixel is made of, or not",
         tip: "Opens or closes the section that tells of the pixel last clicked.",
+    },
+    Binding {
+        action: Action::Layer,
+        keys: &[plain(Key::M)],
+        name: "Map",
+        does: "Picture, noise map, sample map",
+        tip: "Shows the picture, then the relative standard error of its pixels, then their samples, \
+              and the picture again.",
     },
     Binding {
         action: Action::CopyPicture,

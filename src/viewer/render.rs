@@ -2,7 +2,9 @@
 //! workers, and hands back what they sent.
 
 use crate::viewer::document::Document;
-use crate::viewer::document::goal::{Goal, Stop};
+use crate::viewer::document::errors::Curves;
+use crate::viewer::document::goal::{Goal, Outlook, Stop};
+use crate::viewer::document::trend::Trend;
 use crate::viewer::settings::Switching;
 use burnish::brdf::Model;
 use burnish::progressive::{
@@ -48,6 +50,8 @@ pub(super) struct Render {
     pub(super) latency: Option<Duration>,
     /// The newest picture, of whichever epoch.
     pub(super) newest: Option<Snapshot>,
+    /// How the errors of the pictures fell.
+    pub(super) errors: Curves,
     /// Set while the first picture after a change is awaited.
     awaited: Arc<AtomicBool>,
     /// From one picture to the next.
@@ -104,6 +108,7 @@ impl Render {
             changed: Instant::now(),
             latency: None,
             newest: None,
+            errors: Curves::default(),
             awaited,
             pace: FRAME,
             drawing: 0.0,
@@ -204,14 +209,26 @@ impl Render {
     pub(super) fn drain(&mut self) -> bool {
         if let Some(beside) = self.session.latest_beside() {
             self.newest_beside = Some(beside).filter(|s| s.epoch == self.beside_epoch);
+            if let (Some(params), Some(snapshot)) = (&self.beside, &self.newest_beside) {
+                self.errors.note(params, snapshot);
+            }
         }
         let Some(snapshot) = self.session.latest() else { return false };
+        if snapshot.epoch >= self.epoch {
+            self.errors.note(&self.told, &snapshot);
+        }
         self.newest = Some(snapshot);
         let looks = |s: &Snapshot| s.state == State::Done && s.passes >= self.limit;
         if self.goal.stop == Stop::Error && self.current().is_some_and(looks) {
             self.aim(self.goal);
         }
         true
+    }
+
+    /// What is known of the way to the goal.
+    pub(super) fn outlook(&self) -> Outlook {
+        let curve = self.errors.of(&self.told).filter(|_| self.current().is_some());
+        Outlook { trend: curve.and_then(|c| Trend::of(&c.estimated)), look: self.limit }
     }
 
     /// Takes note that the newest picture is shown.
@@ -240,7 +257,7 @@ impl Render {
     }
 
     /// The newest picture, if it is one of the present parameters.
-    fn current(&self) -> Option<&Snapshot> {
+    pub(super) fn current(&self) -> Option<&Snapshot> {
         self.newest.as_ref().filter(|s| s.epoch >= self.epoch)
     }
 

@@ -182,6 +182,7 @@ fn panel(measured: &Measured) -> Panel {
             label: summary.variant.title(),
             colour: if engine { Strategy::ALL.len() } else { of_strategy },
             mark: Model::ALL.iter().position(|m| *m == model).unwrap_or(0),
+            last_only: false,
             dashed: normals != Normals::Visible,
             dots: summary.checkpoints.iter().map(dot).collect(),
         }
@@ -193,6 +194,7 @@ fn panel(measured: &Measured) -> Panel {
         ),
         x: "seconds of tracing".into(),
         y: "relative RMSE in %".into(),
+        upright: ["upright: lowest to", "highest of all repeats"],
         curves: summaries.iter().map(curve).collect(),
     }
 }

@@ -1,5 +1,6 @@
 //! When tracing is to stop, and how long it may take until then.
 
+use crate::viewer::document::trend::Trend;
 use crate::viewer::style::labels::{self, Control};
 use crate::viewer::style::numbers::{duration, percent};
 use burnish::progressive::{ErrorEstimate, Session, Snapshot, StopRule};
@@ -45,6 +46,15 @@ pub(crate) struct Goal {
     pub(crate) seconds: f64,
 }
 
+/// What is known of the way to a goal.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Outlook {
+    /// How the error falls, as far as that can be told.
+    pub(crate) trend: Option<Trend>,
+    /// Passes at which the error is looked at next.
+    pub(crate) look: u64,
+}
+
 impl Default for Goal {
     fn default() -> Goal {
         Goal { stop: Stop::Passes, passes: 1024, error: 0.01, seconds: 60.0 }
@@ -75,38 +85,45 @@ impl Goal {
         self.stop == Stop::Time && seconds >= self.seconds
     }
 
-    /// When the end is expected: "1.00 % in 12 s".
-    pub(crate) fn ahead(&self, snapshot: &Snapshot) -> String {
-        let left = self.left(snapshot).map_or("-".to_owned(), duration);
+    /// When the end is expected: "1.00 % in 12 s", with "?" while how the error falls is supposed
+    /// rather than seen.
+    pub(crate) fn ahead(&self, snapshot: &Snapshot, outlook: Outlook) -> String {
+        let Some(left) = self.left(snapshot, outlook).map(duration) else {
+            return match self.stop {
+                Stop::Passes | Stop::Time => "done in -".to_owned(),
+                Stop::Error => format!("{} in -", percent(self.error)),
+            };
+        };
         match self.stop {
             Stop::Passes | Stop::Time => format!("done in {left}"),
-            Stop::Error => format!("{} in {left}", percent(self.error)),
+            Stop::Error => {
+                let seen = outlook.trend.is_some_and(|t| t.measured);
+                format!("{} in {left}{}", percent(self.error), if seen { "" } else { " ?" })
+            }
         }
     }
 
     /// The part of the way to the end that is done, if that can be told.
-    pub(crate) fn part(&self, snapshot: &Snapshot) -> Option<f64> {
-        let left = self.left(snapshot)?;
+    pub(crate) fn part(&self, snapshot: &Snapshot, outlook: Outlook) -> Option<f64> {
+        let left = self.left(snapshot, outlook)?;
         let part = snapshot.seconds / (snapshot.seconds + left);
         Some(part.clamp(0.0, 1.0)).filter(|part| part.is_finite())
     }
 
     /// Seconds of tracing still to go, if that can be told.
-    fn left(&self, snapshot: &Snapshot) -> Option<f64> {
-        let Snapshot { passes, seconds, .. } = *snapshot;
-        let times = match self.stop {
+    fn left(&self, snapshot: &Snapshot, outlook: Outlook) -> Option<f64> {
+        let seconds = snapshot.seconds;
+        let passes = match self.stop {
             Stop::Time => return Some((self.seconds - seconds).max(0.0)),
-            // By paths, as one pass may take minutes.
-            Stop::Passes => {
-                let [width, height] = snapshot.grid.size.map(f64::from);
-                width * height * self.passes as f64 / snapshot.counts.paths as f64
-            }
+            Stop::Passes => self.passes,
             Stop::Error => {
-                let error = snapshot.error.filter(|e| e.reliable);
-                let needed = self.rule().needed(passes, Some(&error?))?;
-                needed.max(StopRule::FIRST) as f64 / passes as f64
+                let error = snapshot.error.filter(|e| e.reliable)?;
+                outlook.trend?.end(self.rule(), outlook.look, &error)?
             }
         };
+        // By paths, as one pass may take minutes.
+        let [width, height] = snapshot.grid.size.map(f64::from);
+        let times = width * height * passes as f64 / snapshot.counts.paths as f64;
         Some(seconds * (times - 1.0).max(0.0)).filter(|left| left.is_finite())
     }
 
@@ -118,6 +135,7 @@ impl Goal {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::viewer::document::errors::tests::{history, point_at};
     use burnish::progressive::{Counts, Figure, Interval, State, TileGrid};
 
     /// 100 passes of 10 x 10 pixels in 20 seconds.
@@ -149,6 +167,12 @@ mod tests {
         })
     }
 
+    /// Of passes and upper limits.
+    fn outlook<const N: usize>(points: [(u64, f64); N]) -> Outlook {
+        let points = points.into_iter().map(|(n, high)| point_at(n, high, true));
+        Outlook { trend: Trend::of(&history(points)), look: 100 }
+    }
+
     #[test]
     fn the_end_is_told_as_far_as_it_is_known() {
         let passes = Goal { passes: 250, ..Goal::default() };
@@ -157,17 +181,25 @@ mod tests {
         for (goal, error, words) in [
             (passes, None, "done in 30 s"),
             (Goal { passes: 3, ..passes }, None, "done in 0 s"),
-            // It is the upper limit that has to come down, to a half: four times the passes.
-            (wanted(0.02), error(true), "2.00 % in 60 s"),
+            // It is the upper limit that has to come down, to a half: four times the passes, if it
+            // falls with their root, which is not known yet.
+            (wanted(0.02), error(true), "2.00 % in 60 s ?"),
             (wanted(0.02), error(false), "2.00 % in -"),
             (wanted(0.02), None, "2.00 % in -"),
             (time(65.0), None, "done in 45 s"),
             (time(1.0), None, "done in 0 s"),
         ] {
-            assert_eq!(goal.ahead(&snapshot(error)), words, "{goal:?}");
+            assert_eq!(goal.ahead(&snapshot(error), outlook([(100, 0.04)])), words, "{goal:?}");
         }
         let unborn = Snapshot { counts: Counts::default(), seconds: 0.0, ..snapshot(None) };
-        assert_eq!(passes.ahead(&unborn), "done in -");
+        assert_eq!(passes.ahead(&unborn, Outlook::default()), "done in -");
+        // Seen to fall with the passes themselves: twice as many, rather than four times.
+        let seen = [33, 40, 50, 64, 80, 100].map(|n: u64| (n, 3.99 / n as f64));
+        let (goal, now) = (wanted(0.02), snapshot(error(true)));
+        assert_eq!(goal.ahead(&now, outlook(seen)), "2.00 % in 20 s");
+        assert_eq!(goal.part(&now, outlook(seen)), Some(0.5));
+        // Not before it is looked at again.
+        assert_eq!(goal.ahead(&now, Outlook { look: 300, ..outlook(seen) }), "2.00 % in 40 s");
     }
 
     #[test]

@@ -2,10 +2,12 @@
 
 pub(crate) mod command;
 pub(crate) mod dropped;
+pub(crate) mod errors;
 pub(crate) mod exposures;
 pub(crate) mod goal;
 pub(crate) mod history;
 pub(crate) mod recent;
+pub(crate) mod trend;
 
 use crate::viewer::document::goal::{Goal, Stop};
 use crate::viewer::document::history::{History, State};

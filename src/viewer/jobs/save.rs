@@ -1,7 +1,7 @@
 //! Writing what is shown, and the scene itself, to files, in the background.
 
 use burnish::measure::lobe::LobeCurves;
-use burnish::measure::plot::{Style, lobe};
+use burnish::measure::plot::{Panel, Style, lobe, log_log};
 use burnish::picture::{Picture, Tone, replace_file, write};
 use burnish::progressive::{Params, Recipe, Snapshot};
 use burnish::scene::write::scn;
@@ -120,23 +120,25 @@ pub(crate) struct PlotJob {
 }
 
 pub(crate) enum Plot {
-    Svg(LobeCurves, Style),
+    /// Lobes over angle, as SVG.
+    Lobes(LobeCurves, Style),
+    /// Errors over time, as SVG.
+    Errors(Panel),
     /// As it was on the screen.
     Png(ColorImage),
 }
 
 impl PlotJob {
     fn run(&self) -> Result<String, String> {
-        let kind = if matches!(self.plot, Plot::Svg(..)) { "svg" } else { "png" };
+        let kind = if matches!(self.plot, Plot::Png(_)) { "png" } else { "svg" };
         let path = (1..100_000)
             .map(|n| self.folder.join(format!("{}_{n:04}.{kind}", self.stem)))
             .find(|path| !path.exists())
             .ok_or_else(|| format!("{} is full of them", self.folder.display()))?;
+        let svg = |text: String| replace_file(&path, |file| file.write_all(text.as_bytes()));
         match &self.plot {
-            Plot::Svg(curves, style) => {
-                let text = lobe(curves, *style)?;
-                replace_file(&path, |file| file.write_all(text.as_bytes()))
-            }
+            Plot::Lobes(curves, style) => svg(lobe(curves, *style)?),
+            Plot::Errors(panel) => svg(log_log(std::slice::from_ref(panel))?),
             Plot::Png(image) => write(&path, &as_picture(image)?, Tone::default()),
         }
         .map_err(|e| e.to_string())?;

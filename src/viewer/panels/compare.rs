@@ -242,6 +242,11 @@ impl Compare {
         current.then(|| answer.clone())
     }
 
+    /// Whether a difference takes the picture's place.
+    pub(crate) fn is_difference(&self) -> bool {
+        self.on && self.layout == Layout::Difference
+    }
+
     /// The first picture, where that is not the one being traced.
     pub(crate) fn first_frozen(&self) -> Option<&Frozen> {
         match self.first {

@@ -1,11 +1,12 @@
 //! The lobes of all models over each other, at the roughness that the slider shows.
 
 mod draw;
-mod export;
 
 use crate::viewer::document::{Document, Shown};
 use crate::viewer::jobs::background::Background;
+use crate::viewer::jobs::save::Plot;
 use crate::viewer::keys::Action;
+use crate::viewer::panels::export::{Content, Exports};
 use crate::viewer::style::labels;
 use crate::viewer::style::numbers::digits;
 use crate::viewer::style::theme;
@@ -14,14 +15,10 @@ use burnish::brdf::{Model, Roughness};
 use burnish::measure::lobe::{Channel, LobeCurves, Quantity, lobe_curves, value};
 use burnish::measure::plot::Style;
 use burnish::scene::Material;
-use egui::{Align, Layout, RichText, Slider, Ui, vec2};
-pub(crate) use export::{Content, Export};
-use std::sync::mpsc::Receiver;
+use egui::{RichText, Slider, Ui, vec2};
 
 /// Equally spaced angles of a curve: one for each point of the panel's width, about.
 const ANGLES: usize = 361;
-/// Widths of the columns of figures, in points.
-const FIGURE: f32 = 84.0;
 /// The viewer's largest angle that the slider reaches, in degrees.
 const MOST: f64 = 89.0;
 
@@ -34,10 +31,7 @@ pub(crate) struct LobePanel {
     /// The angle whose values are told, in radians, while the pointer or the keyboard is there.
     cursor: Option<f64>,
     curves: Background<Question, LobeCurves>,
-    /// A picture of the plot, once the window has made it.
-    shot: Option<Receiver<export::Shot>>,
-    /// What is to be written or told.
-    pub(crate) export: Option<Export>,
+    pub(crate) exports: Exports,
 }
 
 /// Whose lobe it is.
@@ -70,14 +64,13 @@ impl LobePanel {
             curves: Background::new(|q: &Question| {
                 lobe_curves(q.quantity, q.channel, q.theta_o, ANGLES)
             }),
-            shot: None,
-            export: None,
+            exports: Exports::default(),
         }
     }
 
     /// Costs nothing while it is closed.
     pub(crate) fn ui(&mut self, ui: &mut Ui, document: &mut Document, actions: &mut Vec<Action>) {
-        self.receive(actions);
+        self.exports.receive(actions);
         widgets::section(ui, "lobes", labels::LOBES, None, false, |ui| {
             self.body(ui, document, actions);
         });
@@ -107,28 +100,13 @@ impl LobePanel {
             table(ui, curves, model, self.cursor.unwrap_or(resting(curves)));
         });
         ui.add_space(theme::GAP);
-        let entries = [&labels::COPY_CSV, &labels::SAVE_SVG, &labels::SAVE_PNG]
-            .map(|c| (c.name, c.tip.to_owned(), true));
-        let stem = export::stem(curves);
-        let content = match widgets::button_row(ui, &entries) {
-            Some(0) => Content::Copied(curves.csv()),
-            Some(1) => Content::Svg(curves.clone(), self.style),
-            Some(_) => {
-                self.shot = Some(export::shoot(ui.ctx(), plot, stem));
-                return;
-            }
-            None => return,
+        let (controls, style) =
+            ([&labels::COPY_CSV, &labels::SAVE_SVG, &labels::SAVE_PNG], self.style);
+        let content = |which| match which {
+            0 => Content::Copied(curves.csv()),
+            _ => Content::File(Plot::Lobes(curves.clone(), style)),
         };
-        self.export = Some(Export { stem, content });
-        actions.push(Action::Export);
-    }
-
-    /// Takes the picture of the plot, if there is one.
-    fn receive(&mut self, actions: &mut Vec<Action>) {
-        let Some(shot) = self.shot.as_ref().and_then(|s| s.try_recv().ok()) else { return };
-        self.shot = None;
-        self.export = Some(Export { stem: shot.stem, content: Content::Png(shot.image) });
-        actions.push(Action::Export);
+        self.exports.ui(ui, controls, stem(curves), plot, content, actions);
     }
 
     fn choices(&mut self, ui: &mut Ui, document: &Document) {
@@ -231,7 +209,7 @@ fn resting(curves: &LobeCurves) -> f64 {
 fn table(ui: &mut Ui, curves: &LobeCurves, shown: Model, angle: f64) {
     let at = format!("at {:.1}\u{b0}", angle.to_degrees());
     let tip = "Share of light from everywhere alike that leaves towards the viewer, no unit.";
-    row(ui, |_| {}, [&at, "albedo"], true).on_hover_text(tip);
+    widgets::figures(ui, |_| {}, [&at, "albedo"], true).on_hover_text(tip);
     for (m, model) in Model::ALL.into_iter().enumerate() {
         let found = value(model, curves.quantity, curves.channel, curves.theta_o, angle);
         let figures = [digits(found, 4), format!("{:.4}", curves.albedo[m])];
@@ -242,30 +220,12 @@ fn table(ui: &mut Ui, curves: &LobeCurves, shown: Model, angle: f64) {
             let name = RichText::new(model.title());
             ui.label(if model == shown { name.strong() } else { name });
         };
-        row(ui, name, [&figures[0], &figures[1]], false);
+        widgets::figures(ui, name, [&figures[0], &figures[1]], false);
     }
 }
 
-/// A line: what it is about, and figures in columns of their own at the right.
-fn row(ui: &mut Ui, name: impl FnOnce(&mut Ui), figures: [&str; 2], head: bool) -> egui::Response {
-    ui.horizontal(|ui| {
-        let width = ui.available_width() - 2.0 * FIGURE;
-        let size = vec2(width - ui.spacing().item_spacing.x, 16.0);
-        ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
-            ui.set_min_width(size.x);
-            name(ui);
-        });
-        ui.spacing_mut().item_spacing.x = 0.0;
-        for figure in figures {
-            let layout = Layout::right_to_left(Align::Center);
-            ui.allocate_ui_with_layout(vec2(FIGURE, 16.0), layout, |ui| {
-                ui.set_min_width(FIGURE);
-                ui.label(match head {
-                    true => RichText::new(figure).small().weak(),
-                    false => RichText::new(figure).monospace(),
-                });
-            });
-        }
-    })
-    .response
+/// How the curves' file names begin.
+fn stem(curves: &LobeCurves) -> String {
+    let quantity = curves.quantity.title().replace(' ', "-");
+    format!("lobes_{quantity}_alpha-{:.4}", curves.channel.roughness.alpha())
 }

@@ -3,6 +3,8 @@
 pub(crate) mod compare;
 pub(crate) mod controls;
 pub(crate) mod energy;
+pub(crate) mod error;
+pub(crate) mod export;
 pub(crate) mod help;
 pub(crate) mod kept;
 pub(crate) mod lobe;

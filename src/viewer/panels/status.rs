@@ -1,7 +1,7 @@
 //! The one line of figures below the picture.
 
 use crate::viewer::document::Document;
-use crate::viewer::document::goal::Stop;
+use crate::viewer::document::goal::{Outlook, Stop};
 use crate::viewer::picture::canvas::Hover;
 use crate::viewer::style::numbers::{digits, percent, short};
 use crate::viewer::style::theme;
@@ -18,6 +18,8 @@ pub(crate) struct Facts<'a> {
     /// Whether the goal has been reached.
     pub(crate) done: bool,
     pub(crate) latency: Option<Duration>,
+    /// How far the goal is.
+    pub(crate) outlook: Outlook,
     /// The pixel under the pointer.
     pub(crate) hover: Option<&'a Hover>,
     /// The scene being read, by name.
@@ -103,10 +105,12 @@ fn progress(ui: &mut Ui, document: &Document, facts: &Facts) {
     let figures = [
         (error, ERROR_TIP),
         (
-            format!("{:<16}", document.goal.ahead(snapshot)),
+            format!("{:<19}", document.goal.ahead(snapshot, facts.outlook)),
             "What tracing stops at, and in how many seconds of tracing that is expected: from the \
-             paths traced, or from the error's upper 95 % limit, falling with the square root of \
-             the passes. \"-\" while it can't be told.",
+             paths traced, or, for an error, from how its upper 95 % limit has fallen so far, and \
+             beyond that with the square root of the passes, up to the pass at which it is looked \
+             at. \"?\" while too little of its fall is seen, and the square root is supposed; \"-\" \
+             while it can't be told.",
         ),
         (format!("{rate:<15}"), "Camera paths a second since the first pass."),
         (format!("{latency} ms"), "From the last change to its first pixels."),
@@ -248,8 +252,15 @@ mod tests {
         let line = |ui: &mut Ui| {
             let (document, snapshot) = (Some(&document), Some(&snapshot));
             let done = snapshot.is_some_and(|s| s.state == State::Done);
-            let facts =
-                Facts { document, snapshot, done, latency: None, hover: None, loading: None };
+            let facts = Facts {
+                document,
+                snapshot,
+                done,
+                latency: None,
+                outlook: Outlook::default(),
+                hover: None,
+                loading: None,
+            };
             Status.ui(ui, &facts);
         };
         let harness = Harness::builder().with_size([width, 28.0]).build_ui(line);

@@ -2,6 +2,7 @@
 
 use crate::viewer::document::Document;
 use crate::viewer::keys::{self, Action};
+use crate::viewer::picture::maps::{self, Layer};
 use crate::viewer::style::labels;
 use crate::viewer::style::widgets::{self, Weight};
 use burnish::picture::Curve;
@@ -13,8 +14,15 @@ impl View {
     /// Exposures that the slider reaches, in stops.
     pub(crate) const STOPS: [f32; 2] = [-10.0, 10.0];
 
-    pub(crate) fn ui(&mut self, ui: &mut Ui, document: &mut Document) -> Option<Action> {
+    /// Draws the section; `layer` is none where a difference takes the picture's place.
+    pub(crate) fn ui(
+        &mut self,
+        ui: &mut Ui,
+        document: &mut Document,
+        layer: Option<&mut Layer>,
+    ) -> Option<Action> {
         let asked = widgets::section(ui, "view", "View", None, true, |ui| {
+            show(ui, layer);
             exposure(ui, document);
             curve(ui, document);
             let asked = camera(ui);
@@ -29,6 +37,23 @@ impl View {
         let [low, high] = Self::STOPS;
         document.tone.exposure = (document.tone.exposure + stops).clamp(low, high);
     }
+}
+
+/// Which of the layers is shown.
+fn show(ui: &mut Ui, layer: Option<&mut Layer>) {
+    widgets::field(ui, &labels::LAYER, |ui, _| {
+        let there = layer.is_some();
+        let tip = |l| match there {
+            true => maps::tip(ui.ctx(), l),
+            false => labels::LAYER_NONE.to_owned(),
+        };
+        let entries = Layer::ALL.map(|l| (l.control().name, tip(l), there));
+        let chosen = Layer::ALL.iter().position(|&l| layer.as_deref() == Some(&l));
+        let pressed = widgets::segmented(ui, Weight::Quiet, chosen.unwrap_or(usize::MAX), &entries);
+        if let (Some(layer), Some(i)) = (layer, pressed) {
+            *layer = Layer::ALL[i];
+        }
+    });
 }
 
 fn exposure(ui: &mut Ui, document: &mut Document) {

@@ -17,17 +17,19 @@ pub(crate) struct Question {
 }
 
 impl PartialEq for Question {
-    /// Tiles never change once made: the same allocations are the same picture.
     fn eq(&self, o: &Question) -> bool {
-        let same = |a: &Snapshot, b: &Snapshot| {
-            a.tiles.len() == b.tiles.len()
-                && a.tiles.iter().zip(&b.tiles).all(|(a, b)| match (a, b) {
-                    (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-                    (a, b) => a.is_none() && b.is_none(),
-                })
-        };
+        let same = same_picture;
         same(&self.first, &o.first) && same(&self.second, &o.second) && self.tone == o.tone
     }
+}
+
+/// Whether two snapshots show the same: tiles never change once made.
+pub(crate) fn same_picture(a: &Snapshot, b: &Snapshot) -> bool {
+    a.tiles.len() == b.tiles.len()
+        && a.tiles.iter().zip(&b.tiles).all(|(a, b)| match (a, b) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (a, b) => a.is_none() && b.is_none(),
+        })
 }
 
 /// What came of it.

@@ -1,7 +1,6 @@
 //! One picture on the card, and its successor of another size until that can be shown.
 
-use super::texture::PictureTexture;
-use burnish::picture::Tone;
+use super::texture::{Look, PictureTexture};
 use burnish::progressive::Snapshot;
 use egui::{Context, TextureOptions};
 
@@ -24,10 +23,10 @@ impl Side {
         self.texture.as_ref().map(PictureTexture::size)
     }
 
-    /// Takes over the tiles of a snapshot.
-    pub(crate) fn show(&mut self, snapshot: &Snapshot, tone: Tone) {
+    /// Takes over the tiles of a snapshot. Whether any is new.
+    pub(crate) fn show(&mut self, snapshot: &Snapshot, look: Look) -> bool {
         if snapshot.tiles.iter().all(Option::is_none) {
-            return;
+            return false;
         }
         let fits = |t: &&mut PictureTexture| t.size() == snapshot.grid.size;
         let texture = match self.texture.as_mut().filter(fits) {
@@ -37,17 +36,17 @@ impl Side {
             }
             None => {
                 let next = self.next.take().filter(|t| t.size() == snapshot.grid.size);
-                let fresh = || PictureTexture::new(snapshot.grid, tone);
+                let fresh = || PictureTexture::new(snapshot.grid, look);
                 self.next.insert(next.unwrap_or_else(fresh))
             }
         };
-        texture.show(snapshot);
+        texture.show(snapshot)
     }
 
     /// Brings what is on the card up to date.
-    pub(crate) fn refresh(&mut self, ctx: &Context, tone: Tone, options: TextureOptions) {
+    pub(crate) fn refresh(&mut self, ctx: &Context, look: Look, options: TextureOptions) {
         for texture in [&mut self.texture, &mut self.next].into_iter().flatten() {
-            texture.restyle(tone, options);
+            texture.restyle(look, options);
             texture.refresh(ctx);
         }
         if self.next.as_ref().is_some_and(PictureTexture::is_ready) {

@@ -4,8 +4,9 @@
 //! alone. More than that, as after a change of exposure of a large picture, is work for another
 //! thread; what is on the card stays until it is done, so that no picture has two exposures.
 
+use crate::viewer::picture::maps::Scale;
 use burnish::picture::Tone;
-use burnish::progressive::{Snapshot, TILE, TileGrid, TileImage};
+use burnish::progressive::{Snapshot, TILE, TileGrid, TileImage, TileRect};
 use egui::epaint::{ColorImage, TextureHandle};
 use egui::{Color32, Context, Rect, TextureOptions, pos2, vec2};
 use std::sync::Arc;
@@ -19,16 +20,25 @@ const AT_ONCE: usize = 1 << 18;
 
 type Tiles = Vec<Option<Arc<TileImage>>>;
 
+/// How a tile becomes colours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Look {
+    /// Its radiance, by exposure and curve.
+    Tone(Tone),
+    /// What is known of its pixels, in false colour.
+    Map(Scale),
+}
+
 /// What is shown of a picture, and the textures that show it.
 pub(crate) struct PictureTexture {
     grid: TileGrid,
-    tone: Tone,
+    look: Look,
     options: TextureOptions,
     /// What each tile is to show: of the newest epoch, or of an earlier one where that has none yet.
     wanted: Tiles,
-    /// What is on the sheets, with what tone and how magnified.
+    /// What is on the sheets, with what look and how magnified.
     shown: Tiles,
-    shown_as: (Tone, TextureOptions),
+    shown_as: (Look, TextureOptions),
     sheets: Vec<Sheet>,
     job: Option<Job>,
 }
@@ -49,13 +59,13 @@ struct Area {
 /// All sheets being made anew by another thread.
 struct Job {
     tiles: Tiles,
-    tone: Tone,
+    look: Look,
     result: Receiver<Vec<ColorImage>>,
 }
 
 impl PictureTexture {
     /// A picture of nothing yet.
-    pub(crate) fn new(grid: TileGrid, tone: Tone) -> PictureTexture {
+    pub(crate) fn new(grid: TileGrid, look: Look) -> PictureTexture {
         let mut sheets = Vec::new();
         for y in (0..grid.size[1]).step_by(SHEET as usize) {
             for x in (0..grid.size[0]).step_by(SHEET as usize) {
@@ -66,11 +76,11 @@ impl PictureTexture {
         let options = TextureOptions::NEAREST;
         PictureTexture {
             grid,
-            tone,
+            look,
             options,
             wanted: vec![None; grid.len()],
             shown: vec![None; grid.len()],
-            shown_as: (tone, options),
+            shown_as: (look, options),
             sheets,
             job: None,
         }
@@ -93,27 +103,45 @@ impl PictureTexture {
     }
 
     /// The tile that shows a pixel, and the pixel's place in it.
-    pub(crate) fn pixel(&self, [x, y]: [u32; 2]) -> Option<(&TileImage, usize)> {
+    pub(crate) fn pixel(&self, pixel: [u32; 2]) -> Option<(&TileImage, usize)> {
+        let (tile, rect, [x, y]) = self.tile_of(pixel)?;
+        let at = y * rect.width() + x;
+        (at < tile.mean.len()).then_some((tile, at))
+    }
+
+    /// The tile that shows a pixel, the tile's place, and the pixel's column and row there.
+    pub(crate) fn tile_of(&self, [x, y]: [u32; 2]) -> Option<(&TileImage, TileRect, [usize; 2])> {
         let columns = self.grid.columns_rows()[0];
         let index = ((y / TILE) * columns + x / TILE) as usize;
         let tile = self.shown.get(index)?.as_deref()?;
         let rect = self.grid.rect(index);
-        let at = (y - rect.y0) as usize * rect.width() + (x - rect.x0) as usize;
-        (at < tile.mean.len()).then_some((tile, at))
+        let within = x < rect.x1 && y < rect.y1;
+        within.then(|| (tile, rect, [(x - rect.x0) as usize, (y - rect.y0) as usize]))
     }
 
-    /// Wants the tiles of a snapshot. Tiles that it does not have yet stay as they are.
-    pub(crate) fn show(&mut self, snapshot: &Snapshot) {
+    /// Wants the tiles of a snapshot. Tiles that it does not have yet stay as they are. Whether any
+    /// is new.
+    pub(crate) fn show(&mut self, snapshot: &Snapshot) -> bool {
+        let mut news = false;
         for (wanted, tile) in self.wanted.iter_mut().zip(&snapshot.tiles) {
-            if let Some(tile) = tile {
+            let Some(tile) = tile else { continue };
+            if wanted.as_ref().is_none_or(|wanted| !Arc::ptr_eq(wanted, tile)) {
                 *wanted = Some(tile.clone());
+                news = true;
             }
         }
+        news
     }
 
-    /// Wants another exposure, curve or filter, which concerns every pixel.
-    pub(crate) fn restyle(&mut self, tone: Tone, options: TextureOptions) {
-        (self.tone, self.options) = (tone, options);
+    /// What is to be shown, with the tiles' places.
+    pub(crate) fn tiles(&self) -> impl Iterator<Item = (&TileImage, TileRect)> + Clone {
+        let tiles = self.wanted.iter().enumerate();
+        tiles.filter_map(|(index, tile)| Some((tile.as_deref()?, self.grid.rect(index))))
+    }
+
+    /// Wants another look or filter, which concerns every pixel.
+    pub(crate) fn restyle(&mut self, look: Look, options: TextureOptions) {
+        (self.look, self.options) = (look, options);
     }
 
     /// Brings the card up to date, or has another thread do so, which then repaints. To be called
@@ -131,11 +159,11 @@ impl PictureTexture {
                 Err(TryRecvError::Disconnected) => {}
             },
         }
-        let (tone, options) = self.shown_as;
+        let (look, options) = self.shown_as;
         let stale: Vec<usize> = (0..self.wanted.len())
             .filter(|&i| match (&self.wanted[i], &self.shown[i]) {
                 // Tiles never change once made: the same allocation is the same picture.
-                (Some(wanted), Some(shown)) => tone != self.tone || !Arc::ptr_eq(wanted, shown),
+                (Some(wanted), Some(shown)) => look != self.look || !Arc::ptr_eq(wanted, shown),
                 (wanted, _) => wanted.is_some(),
             })
             .collect();
@@ -154,7 +182,7 @@ impl PictureTexture {
         for &index in &stale {
             self.upload(index);
         }
-        self.shown_as.0 = self.tone;
+        self.shown_as.0 = self.look;
         if options != self.options {
             self.shown_as.1 = self.options;
             self.refilter();
@@ -165,12 +193,12 @@ impl PictureTexture {
     /// Has another thread make all sheets.
     fn start(&mut self, ctx: &Context) {
         let (send, result) = channel();
-        let (grid, tone, tiles) = (self.grid, self.tone, self.wanted.clone());
+        let (grid, look, tiles) = (self.grid, self.look, self.wanted.clone());
         let areas: Vec<Area> = self.sheets.iter().map(|s| s.area).collect();
-        self.job = Some(Job { tiles: tiles.clone(), tone, result });
+        self.job = Some(Job { tiles: tiles.clone(), look, result });
         let repaint = ctx.clone();
         let work = move || {
-            let made = areas.into_iter().map(|area| sheet(grid, area, &tiles, tone)).collect();
+            let made = areas.into_iter().map(|area| sheet(grid, area, &tiles, look)).collect();
             // Nobody listens any more when the picture has another size by now.
             let _ = send.send(made);
             drop(send);
@@ -188,7 +216,7 @@ impl PictureTexture {
                 None => sheet.texture = Some(ctx.load_texture("picture", image, self.options)),
             }
         }
-        (self.shown, self.shown_as) = (job.tiles, (job.tone, self.options));
+        (self.shown, self.shown_as) = (job.tiles, (job.look, self.options));
     }
 
     /// Sheets to put tiles on.
@@ -234,7 +262,7 @@ impl PictureTexture {
         };
         let Some(wanted) = self.wanted.get(index) else { return };
         let pixels = match wanted {
-            Some(tile) => colours(self.tone, &tile.mean),
+            Some(tile) => colours(self.look, tile, rect),
             None => vec![Color32::BLACK; rect.area()],
         };
         if pixels.len() == rect.area() {
@@ -247,7 +275,7 @@ impl PictureTexture {
 }
 
 /// All pixels of a sheet; black where there is no tile.
-fn sheet(grid: TileGrid, area: Area, tiles: &Tiles, tone: Tone) -> ColorImage {
+fn sheet(grid: TileGrid, area: Area, tiles: &Tiles, look: Look) -> ColorImage {
     let mut image = ColorImage::filled(area.size.map(|s| s as usize), Color32::BLACK);
     let columns = grid.columns_rows()[0] as usize;
     let [x, y] = area.origin.map(|o| (o / TILE) as usize);
@@ -255,7 +283,7 @@ fn sheet(grid: TileGrid, area: Area, tiles: &Tiles, tone: Tone) -> ColorImage {
     for index in (y..y + h).flat_map(|row| (x..x + w).map(move |c| row * columns + c)) {
         let Some(Some(tile)) = tiles.get(index) else { continue };
         let rect = grid.rect(index);
-        let pixels = colours(tone, &tile.mean);
+        let pixels = colours(look, tile, rect);
         if pixels.len() != rect.area() {
             continue;
         }
@@ -268,10 +296,15 @@ fn sheet(grid: TileGrid, area: Area, tiles: &Tiles, tone: Tone) -> ColorImage {
     image
 }
 
-fn colours(tone: Tone, pixels: &[[f32; 3]]) -> Vec<Color32> {
-    let mut colours = vec![Color32::BLACK; pixels.len()];
-    tone.map(pixels, &mut colours, |[r, g, b]| Color32::from_rgb(r, g, b));
-    colours
+fn colours(look: Look, tile: &TileImage, rect: TileRect) -> Vec<Color32> {
+    match look {
+        Look::Tone(tone) => {
+            let mut colours = vec![Color32::BLACK; tile.mean.len()];
+            tone.map(&tile.mean, &mut colours, |[r, g, b]| Color32::from_rgb(r, g, b));
+            colours
+        }
+        Look::Map(scale) => scale.colours(tile, rect),
+    }
 }
 
 #[cfg(test)]
@@ -315,14 +348,14 @@ mod tests {
     /// Whether the card shows the snapshot where that has tiles, and black elsewhere.
     fn shows(card: &Card, texture: &PictureTexture, snapshot: &Snapshot) -> bool {
         let picture = snapshot.mean();
+        let Look::Tone(tone) = texture.look else { panic!("a map") };
         texture.sheets.iter().all(|Sheet { area, texture: on_card }| {
             let codes = card.codes(on_card.as_ref().unwrap().id());
             let [w, h] = area.size;
             assert_eq!(codes.len(), (w * h) as usize);
             (0..w * h).all(|i| {
                 let (x, y) = (area.origin[0] + i % w, area.origin[1] + i / w);
-                let [r, g, b] =
-                    texture.tone.exact(picture.pixels[(y * picture.width + x) as usize]);
+                let [r, g, b] = tone.exact(picture.pixels[(y * picture.width + x) as usize]);
                 codes[i as usize] == Color32::from_rgb(r, g, b)
             })
         })
@@ -350,13 +383,13 @@ mod tests {
         for size in [[SHEET + 40, 70], [33, SHEET + 1], [SHEET, 31], [1, 1]] {
             let (ctx, mut card) = (Context::default(), Card::default());
             let whole = snapshot(size, |_| true);
-            let mut texture = PictureTexture::new(whole.grid, Tone::default());
+            let mut texture = PictureTexture::new(whole.grid, Look::Tone(Tone::default()));
             assert!(!texture.is_ready());
             texture.show(&whole);
             settle(&mut texture, &ctx, &mut card);
             assert!(shows(&card, &texture, &whole), "{size:?}");
             let tone = Tone { exposure: 1.0, ..Tone::default() };
-            texture.restyle(tone, TextureOptions::LINEAR);
+            texture.restyle(Look::Tone(tone), TextureOptions::LINEAR);
             settle(&mut texture, &ctx, &mut card);
             assert!(shows(&card, &texture, &whole), "{size:?}, exposed");
         }
@@ -366,7 +399,7 @@ mod tests {
     fn only_new_tiles_are_uploaded_and_missing_ones_stay() {
         let (ctx, mut card) = (Context::default(), Card::default());
         let whole = snapshot([100, 100], |_| true);
-        let mut texture = PictureTexture::new(whole.grid, Tone::default());
+        let mut texture = PictureTexture::new(whole.grid, Look::Tone(Tone::default()));
         texture.show(&whole);
         assert_eq!(texture.refresh(&ctx), 100 * 100);
         texture.show(&whole);
@@ -384,7 +417,7 @@ mod tests {
     fn the_window_is_given_no_more_than_it_has_time_for() {
         let (ctx, mut card) = (Context::default(), Card::default());
         let whole = snapshot([1600, 1200], |_| true);
-        let mut texture = PictureTexture::new(whole.grid, Tone::default());
+        let mut texture = PictureTexture::new(whole.grid, Look::Tone(Tone::default()));
         texture.show(&whole);
         assert_eq!(settle(&mut texture, &ctx, &mut card), 0, "the whole picture is another's work");
         // Some new tiles are put in place at once, and nothing else is touched.
@@ -408,18 +441,18 @@ mod tests {
         upload(&ctx, &mut card);
         assert!(shows(&card, &texture, &next));
         // A new exposure is not seen before it is everywhere.
-        let before = texture.tone;
+        let before = texture.look;
         let tone = Tone { exposure: -1.0, ..Tone::default() };
-        texture.restyle(tone, TextureOptions::NEAREST);
+        texture.restyle(Look::Tone(tone), TextureOptions::NEAREST);
         assert_eq!((texture.refresh(&ctx), texture.is_busy()), (0, true));
         upload(&ctx, &mut card);
-        texture.tone = before;
+        texture.look = before;
         assert!(shows(&card, &texture, &next), "the picture before stays whole");
-        texture.tone = tone;
+        texture.look = Look::Tone(tone);
         assert_eq!(settle(&mut texture, &ctx, &mut card), 0);
         assert!(shows(&card, &texture, &next));
         // Another filter is a tile a sheet.
-        texture.restyle(tone, TextureOptions::LINEAR);
+        texture.restyle(Look::Tone(tone), TextureOptions::LINEAR);
         assert_eq!(texture.refresh(&ctx), 0);
         let delta = ctx.tex_manager().write().take_delta();
         let parts: Vec<usize> =
@@ -431,7 +464,7 @@ mod tests {
     fn a_pixel_is_found_in_its_tile() {
         let ctx = Context::default();
         let whole = snapshot([70, 40], |i| i != 0);
-        let mut texture = PictureTexture::new(whole.grid, Tone::default());
+        let mut texture = PictureTexture::new(whole.grid, Look::Tone(Tone::default()));
         texture.show(&whole);
         texture.refresh(&ctx);
         assert!(texture.pixel([3, 3]).is_none(), "not traced yet");

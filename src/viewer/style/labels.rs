@@ -135,6 +135,25 @@ pub(crate) const EXPONENT: Control = control(
 /// Colours are three fields: "Kd red".
 pub(crate) const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
+pub(crate) const LAYER: Control = control(
+    "Show",
+    "What is shown of the picture. Snapshots and copies are of the picture itself all the same.",
+);
+pub(crate) const LAYER_PICTURE: Control = control("Picture", "The picture itself.");
+pub(crate) const LAYER_NOISE: Control = control(
+    "Noise",
+    "The relative standard error of each pixel in false colour: sqrt(mean(s\u{b2} / (x\u{b2} + 0.01))) \
+     over its channels, s being the standard error of the radiance x in W/(m\u{b2} sr), pooled over \
+     touching pixels. Known from 4 passes on.",
+);
+pub(crate) const LAYER_SAMPLES: Control = control(
+    "Samples",
+    "How many samples each pixel has, in false colour: after 16 passes more where it is noisier, by \
+     cells of 16 x 16 pixels.",
+);
+pub(crate) const LAYER_NONE: &str =
+    "No maps while a difference is shown: it has colours of its own.";
+
 pub(crate) const EXPOSURE: Control = control(
     "Exposure",
     "Shown is radiance times 2^stops. Keys: E and Shift-E. Double-click for 0.",
@@ -196,6 +215,7 @@ pub(crate) const NORMALS: Control = control(
 /// Names of sections that are controls as well.
 pub(crate) const LOBES: &str = "Lobes";
 pub(crate) const PIXEL: &str = "Pixel";
+pub(crate) const ERRORS: &str = "Error over time";
 
 pub(crate) const QUANTITY: Control =
     control("Quantity", "What is drawn over the angle, for all three models over each other.");
@@ -238,6 +258,42 @@ pub(crate) const SAVE_PNG: Control = control(
     "Save PNG",
     "Writes the plot as it is on the screen as a PNG file to where snapshots go.",
 );
+
+pub(crate) const AGAINST: Control = control(
+    "Reference",
+    "What the picture's true error is taken against, beside the error that the picture estimates \
+     itself. Tags are made by T, files are opened by Ctrl-O or dropped on the window.",
+);
+pub(crate) const AGAINST_NOTHING: Control = control("None", "Estimates alone.");
+pub(crate) const AGAINST_TAG: Control = control(
+    "Tag",
+    "The picture as it was when it was tagged (T). Its noise counts as error, and what both share \
+     does not: the same samples, or random numbers in common.",
+);
+pub(crate) const AGAINST_FILE: Control = control(
+    "File",
+    "The OpenEXR picture that is open, of the same size. Its own noise, if it has any, counts as \
+     error.",
+);
+pub(crate) const ERROR_CURVES: Control = control(
+    "Error curves",
+    "Relative error over seconds of tracing, both logarithmic; pauses and the turns of other pictures \
+     are not counted. The shown picture is the bold line, with its 95 % limits; models have the \
+     colours of the lobes, other materials and methods are faint, and so is what cannot be relied on \
+     yet. Dotted: the true error. With the focused plot (Tab) the left and right arrows move the time.",
+);
+pub(crate) const ERROR_CSV: Control = control(
+    "Copy CSV",
+    "Copies all points as a table: picture, estimated or true, seconds, passes, relative error, its \
+     95 % limits, and whether it can be relied on.",
+);
+pub(crate) const ERROR_CAPTION: &str = "Both are sqrt(mean((x - r)\u{b2} / (r\u{b2} + 0.01))) over \
+     pixels and channels, x being the picture; r is the truth for the estimate, which is made from the \
+     spread of independent replicates, and the reference for the true error. Nothing is subtracted \
+     for the reference's own noise: near it the curve flattens.";
+pub(crate) const ERROR_TABLE: &str = "Relative error as the picture estimates it, \"?\" while that \
+     cannot be relied on, and against the reference; without one, the seconds that the picture was \
+     traced for. Those of the newest points, or at the pointer.";
 
 pub(crate) const ASKED: Control = control(
     "Pixel",
@@ -291,9 +347,11 @@ pub(crate) const CLOSE: Control = control("Close", "Closes the help.");
 pub(crate) fn table() -> Vec<(&'static str, Vec<(String, String)>)> {
     use crate::viewer::document::goal::Stop;
     use crate::viewer::panels::compare::{First, Layout};
+    use crate::viewer::panels::error::Against;
     use crate::viewer::panels::method;
     use crate::viewer::panels::tracing::Depth;
     use crate::viewer::panels::view;
+    use crate::viewer::picture::maps::Layer;
     use burnish::{brdf::Normals, measure::lobe::Quantity};
     use burnish::{picture::Curve, progressive::Strategy};
     let line = |c: &Control| (c.name.to_owned(), c.tip.to_owned());
@@ -324,7 +382,9 @@ pub(crate) fn table() -> Vec<(&'static str, Vec<(String, String)>)> {
         .extend([KD, KS, EMISSION].map(|c| (c.name.to_owned(), format!("{} {channels}", c.tip))));
     materials.extend(lines(&[PRESET, EXPONENT]));
 
-    let mut view = lines(&[EXPOSURE, CURVE]);
+    let mut view = vec![line(&LAYER)];
+    view.extend(Layer::ALL.map(|l| choice(&LAYER, l.control().name, l.control().tip)));
+    view.extend(lines(&[EXPOSURE, CURVE]));
     view.extend(Curve::ALL.map(|c| choice(&CURVE, c.title(), view::describe(c))));
     view.extend(lines(&[CAMERA, WINDOW]));
     view.extend(view::THEMES.map(|(_, name, tip)| choice(&WINDOW, name, tip)));
@@ -352,6 +412,9 @@ pub(crate) fn table() -> Vec<(&'static str, Vec<(String, String)>)> {
         lobes.extend(among.iter().map(|c| choice(&of, c.name, c.tip)));
     }
     lobes.extend(lines(&[THETA_O, CURVES, COPY_CSV, SAVE_SVG, SAVE_PNG]));
+    let mut errors = vec![line(&AGAINST)];
+    errors.extend(Against::ALL.map(|a| choice(&AGAINST, a.control().name, a.control().tip)));
+    errors.extend(lines(&[ERROR_CURVES, ERROR_CSV, SAVE_SVG, SAVE_PNG]));
     let pixel = lines(&[ASKED, COLUMN, ROW, SAMPLES, THETA_I, MIRROR, DRAW_PATH]);
 
     vec![
@@ -361,6 +424,7 @@ pub(crate) fn table() -> Vec<(&'static str, Vec<(String, String)>)> {
         (PIXEL, pixel),
         ("Materials", materials),
         ("View", view),
+        (ERRORS, errors),
         ("Tracing", tracing),
         ("Kept pictures", lines(&[KEEP, HOLD, REFINE])),
         ("Sampling", method),

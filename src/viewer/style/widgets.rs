@@ -4,8 +4,8 @@ use crate::viewer::style::labels::Control;
 use crate::viewer::style::theme;
 use egui::collapsing_header::CollapsingState;
 use egui::{
-    Button, Color32, CornerRadius, Rect, RectAlign, Response, Role, Sense, Shape, Stroke,
-    StrokeKind, TextStyle, Tooltip, Ui, Vec2, WidgetInfo, pos2, vec2,
+    Align, Button, Color32, CornerRadius, Layout, Rect, RectAlign, Response, RichText, Role, Sense,
+    Shape, Stroke, StrokeKind, TextStyle, Tooltip, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 
 /// How much the chosen one of a row of buttons stands out.
@@ -98,6 +98,36 @@ pub(crate) fn button_row(ui: &mut Ui, buttons: &[(&str, String, bool)]) -> Optio
         }
     });
     pressed
+}
+
+/// A line: what it is about, and figures in columns of their own at the right.
+pub(crate) fn figures(
+    ui: &mut Ui,
+    name: impl FnOnce(&mut Ui),
+    figures: [&str; 2],
+    head: bool,
+) -> Response {
+    const FIGURE: f32 = 72.0;
+    ui.horizontal(|ui| {
+        let width = ui.available_width() - 2.0 * FIGURE;
+        let size = vec2(width - ui.spacing().item_spacing.x, 16.0);
+        ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+            ui.set_min_width(size.x);
+            name(ui);
+        });
+        ui.spacing_mut().item_spacing.x = 0.0;
+        for figure in figures {
+            let layout = Layout::right_to_left(Align::Center);
+            ui.allocate_ui_with_layout(vec2(FIGURE, 16.0), layout, |ui| {
+                ui.set_min_width(FIGURE);
+                ui.label(match head {
+                    true => RichText::new(figure).small().weak(),
+                    false => RichText::new(figure).monospace(),
+                });
+            });
+        }
+    })
+    .response
 }
 
 /// The tooltip of a menu's entry: at the left, where it hides no other entry.

@@ -26,11 +26,13 @@ fn every_control_is_found_by_its_label() {
     for slider in ["Roughness", "Exposure"] {
         desk.harness.get_by_role_and_label(Role::Slider, slider);
     }
-    for section in
-        ["Materials", "View", "Tracing", "Sampling", "Deliberate bugs", "Scene", "Picture"]
-    {
+    for section in ["Materials", "View", "Tracing", "Sampling", "Deliberate bugs", "Scene"] {
         desk.harness.get_by_label(section);
     }
+    for layer in ["Picture", "Noise", "Samples"] {
+        desk.harness.get_by_role_and_label(Role::Button, layer);
+    }
+    desk.harness.get_by_role_and_label(Role::Image, "Picture");
     // And nothing that can be used is without a name.
     assert_eq!(desk.harness.unnamed_widgets(), Vec::<String>::new());
 }

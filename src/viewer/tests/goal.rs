@@ -69,13 +69,15 @@ fn a_time_ends_and_a_change_and_a_longer_time_go_on() {
     assert!(!desk.doc().paused && desk.newest().seconds >= 0.2);
     assert!(desk.harness.query_by_label("done").is_some());
     let (epoch, passes) = (desk.newest().epoch, desk.newest().passes);
-    desk.type_into("Time limit", "0.4");
+    // A machine with much else to do may be past that already.
+    let longer = desk.newest().seconds + 0.3;
+    desk.type_into("Time limit", &format!("{longer:.2}"));
     desk.until("the end", stopped);
     assert!(desk.newest().passes > passes && desk.newest().epoch == epoch);
     desk.key(Key::Num1);
     desk.until_told(epoch);
     desk.until("the end", stopped);
-    assert!(desk.newest().seconds >= 0.4);
+    assert!(desk.newest().seconds >= longer - 0.01);
 }
 
 #[test]

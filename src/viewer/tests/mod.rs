@@ -3,12 +3,14 @@
 mod command;
 mod compare;
 mod controls;
+mod error;
 mod files;
 mod goal;
 mod habits;
 mod history;
 mod labels;
 mod lobe;
+mod maps;
 mod materials;
 mod method;
 mod open;
@@ -258,7 +260,7 @@ impl Desk {
     }
 
     fn canvas(&self) -> Rect {
-        self.harness.get_by_label("Picture").rect()
+        self.harness.get_by_role_and_label(Role::Image, "Picture").rect()
     }
 
     /// Where a pixel is on the screen, when the picture is fitted.

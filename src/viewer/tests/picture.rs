@@ -114,7 +114,7 @@ fn the_focused_picture_takes_the_arrow_keys() {
     let home = desk.doc().params.camera;
     desk.key(Key::ArrowLeft);
     assert_eq!(desk.doc().params.camera, home, "without focus nothing moves");
-    desk.harness.get_by_label("Picture").focus();
+    desk.harness.get_by_role_and_label(Role::Image, "Picture").focus();
     desk.harness.step();
     desk.key(Key::ArrowLeft);
     let turned = desk.doc().params.camera;

@@ -1,8 +1,10 @@
-//! What the plot is taken along as: a table, an SVG file, a picture.
+//! What a plot is taken along as: a table, an SVG file, a picture.
 
-use burnish::measure::lobe::LobeCurves;
-use burnish::measure::plot::Style;
-use egui::{ColorImage, Context, Rect, ViewportCommand};
+use crate::viewer::jobs::save::Plot;
+use crate::viewer::keys::Action;
+use crate::viewer::style::labels::Control;
+use crate::viewer::style::widgets;
+use egui::{ColorImage, Context, Rect, Ui, ViewportCommand};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 
@@ -16,19 +18,64 @@ pub(crate) struct Export {
 pub(crate) enum Content {
     /// A table for the clipboard.
     Copied(String),
-    Svg(LobeCurves, Style),
-    /// As it is on the screen.
-    Png(ColorImage),
+    File(Plot),
+}
+
+/// The way of a panel's plot out of the window.
+#[derive(Default)]
+pub(crate) struct Exports {
+    /// A picture of the plot, once the window has made it.
+    shot: Option<Receiver<Shot>>,
+    /// What is to be written or told.
+    ready: Option<Export>,
+}
+
+impl Exports {
+    /// Draws the buttons: what they are called, and what a press of each of the first two gives.
+    /// The third takes a picture of the plot's place.
+    pub(crate) fn ui(
+        &mut self,
+        ui: &mut Ui,
+        controls: [&Control; 3],
+        stem: String,
+        plot: Rect,
+        content: impl FnOnce(usize) -> Content,
+        actions: &mut Vec<Action>,
+    ) {
+        let entries = controls.map(|c| (c.name, c.tip.to_owned(), true));
+        match widgets::button_row(ui, &entries) {
+            Some(2) => self.shot = Some(shoot(ui.ctx(), plot, stem)),
+            Some(which) => {
+                self.ready = Some(Export { stem, content: content(which) });
+                actions.push(Action::Export);
+            }
+            None => {}
+        }
+    }
+
+    /// Takes the picture of the plot, if there is one by now.
+    pub(crate) fn receive(&mut self, actions: &mut Vec<Action>) {
+        let Some(shot) = self.shot.as_ref().and_then(|s| s.try_recv().ok()) else { return };
+        self.shot = None;
+        self.ready =
+            Some(Export { stem: shot.stem, content: Content::File(Plot::Png(shot.image)) });
+        actions.push(Action::Export);
+    }
+
+    /// What is ready to leave.
+    pub(crate) fn take(&mut self) -> Option<Export> {
+        self.ready.take()
+    }
 }
 
 /// The plot as the window shows it.
-pub(super) struct Shot {
-    pub(super) stem: String,
-    pub(super) image: ColorImage,
+struct Shot {
+    stem: String,
+    image: ColorImage,
 }
 
 /// Asks the window for a picture of a part of itself; repaints when it is there.
-pub(super) fn shoot(ctx: &Context, place: Rect, stem: String) -> Receiver<Shot> {
+fn shoot(ctx: &Context, place: Rect, stem: String) -> Receiver<Shot> {
     let (send, shot) = channel();
     let (scale, repaint) = (ctx.pixels_per_point(), ctx.clone());
     let callback = egui::ScreenshotCallback::new(move |window: Arc<ColorImage>| {
@@ -54,11 +101,6 @@ fn part(window: &ColorImage, place: Rect, scale: f32) -> ColorImage {
     let size = [columns.len(), rows.len()];
     let rows = rows.map(|y| &window.pixels[y * width..][columns.clone()]);
     ColorImage::new(size, rows.flatten().copied().collect())
-}
-
-pub(super) fn stem(curves: &LobeCurves) -> String {
-    let quantity = curves.quantity.title().replace(' ', "-");
-    format!("lobes_{quantity}_alpha-{:.4}", curves.channel.roughness.alpha())
 }
 
 #[cfg(test)]

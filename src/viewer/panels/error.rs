@@ -1,0 +1,174 @@
+//! The section "Error over time": how the error of the picture, and of others of the same view, fell
+//! while they were traced.
+
+mod axes;
+mod distance;
+mod draw;
+mod svg;
+
+use crate::viewer::document::Document;
+use crate::viewer::document::errors::{Curve, Curves, History, Point, csv, name};
+use crate::viewer::document::goal::Stop;
+use crate::viewer::jobs::save::{Plot, plain};
+use crate::viewer::keys::Action;
+use crate::viewer::panels::compare::Compare;
+use crate::viewer::panels::export::{Content, Exports};
+use crate::viewer::render::Render;
+use crate::viewer::style::labels;
+use crate::viewer::style::numbers::{digits, percent};
+use crate::viewer::style::theme;
+use crate::viewer::style::widgets::{self, Badge};
+use burnish::brdf::Model;
+use burnish::progressive::{Params, Snapshot};
+#[cfg(test)]
+pub(crate) use distance::Against;
+use distance::Distances;
+use egui::{Label, RichText, Sense, Ui, vec2};
+
+/// Curves of other materials or methods than the shown ones that are drawn at most.
+const OTHERS: usize = 4;
+/// Height of what is told of the figures' origin, in points: two lines of small type.
+const CAPTION: f32 = 30.0;
+
+pub(crate) struct ErrorPanel {
+    distances: Distances,
+    /// The time whose values are told, in seconds, while the pointer or the keyboard is there.
+    cursor: Option<f64>,
+    pub(crate) exports: Exports,
+}
+
+/// One line of the table, and of the plot where there is a curve.
+struct Row<'a> {
+    params: Params,
+    curve: Option<&'a Curve>,
+}
+
+impl ErrorPanel {
+    pub(crate) fn new() -> ErrorPanel {
+        ErrorPanel { distances: Distances::new(), cursor: None, exports: Exports::default() }
+    }
+
+    /// Draws the section. Costs nothing while it is closed.
+    pub(crate) fn ui(
+        &mut self,
+        ui: &mut Ui,
+        document: &Document,
+        render: &mut Render,
+        compare: &Compare,
+        actions: &mut Vec<Action>,
+    ) {
+        self.exports.receive(actions);
+        let error = render.current().and_then(|s| s.error);
+        let badge = error.map(|e| Badge { text: told(e.relative.value, e.reliable), warns: false });
+        widgets::section(ui, "error", labels::ERRORS, badge, false, |ui| {
+            let newest = render.current().cloned();
+            self.distances.choose(ui, compare);
+            self.distances.ask(ui.ctx(), &document.params, newest.as_ref(), &mut render.errors);
+            self.body(ui, document, &render.errors, newest.as_ref(), actions);
+        });
+    }
+
+    fn body(
+        &mut self,
+        ui: &mut Ui,
+        document: &Document,
+        curves: &Curves,
+        newest: Option<&Snapshot>,
+        actions: &mut Vec<Action>,
+    ) {
+        let words = match newest.and_then(|s| s.error) {
+            None => "No error is known before 4 passes.".to_owned(),
+            Some(_) => self.distances.words(),
+        };
+        let size = vec2(ui.available_width(), CAPTION);
+        ui.allocate_ui(size, |ui| {
+            ui.set_min_size(size);
+            ui.add(Label::new(RichText::new(words).small().weak()).wrap())
+                .on_hover_text(labels::ERROR_CAPTION);
+        });
+        let params = &document.params;
+        let rows = rows(curves, params);
+        let goal = (document.goal.stop == Stop::Error).then_some(document.goal.error);
+        let plot = draw::Plot { rows: &rows, shown: params, goal };
+        let place = plot.ui(ui, &mut self.cursor);
+        let against = self.distances.is_chosen();
+        table(ui, &rows, params, self.cursor, against);
+        ui.add_space(theme::GAP);
+        let stem = format!("errors_{}", plain(params.scene.name()));
+        let controls = [&labels::ERROR_CSV, &labels::SAVE_SVG, &labels::SAVE_PNG];
+        let content = |which| match which {
+            0 => Content::Copied(csv(&curves.of_view(params), params)),
+            _ => Content::File(Plot::Errors(svg::panel(&rows, params))),
+        };
+        self.exports.ui(ui, controls, stem, place, content, actions);
+    }
+}
+
+/// The three models with the materials that are shown, traced or not, and some of what else there is.
+fn rows<'a>(curves: &'a Curves, shown: &Params) -> Vec<Row<'a>> {
+    let models = Model::ALL.map(|model| Params { model, ..shown.clone() });
+    let is_other = |c: &&&Curve| !models.contains(&c.params);
+    let of_view = curves.of_view(shown);
+    let others: Vec<Row> = of_view
+        .iter()
+        .filter(is_other)
+        .take(OTHERS)
+        .map(|c| Row { params: c.params.clone(), curve: Some(c) })
+        .collect();
+    let drawn = |c: &&Curve| !c.estimated.points().is_empty();
+    let first = models.map(|params| Row { curve: curves.of(&params).filter(drawn), params });
+    first.into_iter().chain(others).collect()
+}
+
+impl Row<'_> {
+    /// Whether it is of the materials and the method that are shown.
+    fn is_like(&self, shown: &Params) -> bool {
+        self.params == Params { model: self.params.model, ..shown.clone() }
+    }
+}
+
+/// 1.81 %, or 1.81 % ? while it cannot be relied on.
+fn told(error: f64, reliable: bool) -> String {
+    format!("{}{}", percent(error), if reliable { "" } else { " ?" })
+}
+
+/// The values at the cursor, or the newest.
+fn table(ui: &mut Ui, rows: &[Row], shown: &Params, cursor: Option<f64>, against: bool) {
+    let figure = |history: &History| {
+        let newest = |p: &Point| told(p.error, p.reliable);
+        let found = match cursor {
+            Some(seconds) => history.at(seconds).map(percent),
+            None => history.newest().map(newest),
+        };
+        found.unwrap_or("-".to_owned())
+    };
+    let head = cursor.map_or("newest".to_owned(), |s| format!("after {} s", digits(s, 3)));
+    let second = if against { "true" } else { "traced" };
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.y = 4.0;
+        ui.spacing_mut().interact_size.y = 16.0;
+        let words = |ui: &mut Ui| {
+            ui.label(RichText::new(head).small().weak());
+        };
+        let response = widgets::figures(ui, words, ["estimated", second], true);
+        response.on_hover_text(labels::ERROR_TABLE);
+        for row in rows {
+            let estimated = row.curve.map_or("-".to_owned(), |c| figure(&c.estimated));
+            let newest = row.curve.and_then(|c| c.estimated.newest());
+            let other = match against {
+                true => row.curve.map_or("-".to_owned(), |c| figure(&c.truth)),
+                false => newest.map_or("-".to_owned(), |p| format!("{} s", digits(p.seconds, 3))),
+            };
+            let name = name(&row.params, shown);
+            let label = |ui: &mut Ui| {
+                let (chip, _) = ui.allocate_exact_size(vec2(16.0, 16.0), Sense::hover());
+                let ends = [chip.left_center(), chip.right_center()];
+                draw::line(ui.painter(), &ends, draw::stroke(ui.visuals(), row, shown));
+                let text = RichText::new(&name);
+                let text = if row.params == *shown { text.strong() } else { text };
+                ui.add(Label::new(text).truncate());
+            };
+            widgets::figures(ui, label, [&estimated, &other], false);
+        }
+    });
+}
