@@ -2,8 +2,8 @@
 //!
 //! The error falls with the root of the passes where samples are independent, faster where they are
 //! stratified and where noisy parts get more of them, and it rises when rare bright samples turn up.
-//! So the slope is measured from the history, over logarithms; and it is believed for as far ahead as
-//! it was seen behind, beyond which it is -1/2.
+//! So the slope is measured from the history, over logarithms, and drawn towards -1/2 the more, the
+//! shorter that is; and it is believed for as far ahead as it was seen behind, beyond which it is -1/2.
 
 use crate::viewer::document::errors::{History, Point};
 use burnish::measure::speed::Fit;
@@ -12,7 +12,7 @@ use burnish::progressive::{ErrorEstimate, Session, StopRule};
 /// How the upper limit of the error fell of late.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Trend {
-    /// Passes of the newest point, and its upper 95 % limit.
+    /// Passes of the newest point, and the upper 95 % limit there.
     passes: f64,
     high: f64,
     /// Of the limit's logarithm over that of the passes.
@@ -48,10 +48,17 @@ impl Trend {
             .map(|p| [(p.passes as f64).ln(), p.limits.high.ln()])
             .collect();
         let seen = logs.first().map_or(1.0, |first| passes / first[0].exp());
-        let slope = slope(&logs).filter(|_| logs.len() >= POINTS && seen >= RATIO);
         let high = newest.limits.high;
-        let measured = slope.is_some();
-        Some(Trend { passes, high, slope: slope.unwrap_or(ROOT), seen, measured })
+        let supposed = Trend { passes, high, slope: ROOT, seen, measured: false };
+        let Some(line) = line(&logs).filter(|_| logs.len() >= POINTS && seen >= RATIO) else {
+            return Some(supposed);
+        };
+        // The limit at either end is as uncertain by a part of it as the slope is beforehand.
+        let weight = seen.ln().powi(2) / (seen.ln().powi(2) + 2.0);
+        let slope = ROOT + weight * (line.slope - ROOT);
+        // The newest limit is as uncertain as the line is.
+        let high = (0.5 * (high.ln() + line.at(passes.ln()))).exp();
+        Some(Trend { high, slope, measured: true, ..supposed })
     }
 
     /// The upper limit expected after so many passes.
@@ -77,15 +84,28 @@ impl Trend {
     }
 }
 
-/// The slope of the line through these points, if they are on one and it falls as errors do.
-fn slope(points: &[[f64; 2]]) -> Option<f64> {
+/// A line in logarithms.
+struct Line {
+    slope: f64,
+    /// A point of it.
+    mean: [f64; 2],
+}
+
+impl Line {
+    fn at(&self, x: f64) -> f64 {
+        self.mean[1] + self.slope * (x - self.mean[0])
+    }
+}
+
+/// The line through these points, if they are on one and it falls as errors do.
+fn line(points: &[[f64; 2]]) -> Option<Line> {
     let slope = Fit::line(points.iter().copied())?.slope;
     let n = points.len() as f64;
-    let mean = |c: usize| points.iter().map(|p| p[c]).sum::<f64>() / n;
-    let [x, y] = [mean(0), mean(1)];
-    let squares = points.iter().map(|p| (p[1] - y - slope * (p[0] - x)).powi(2)).sum::<f64>();
+    let mean = [0, 1].map(|c: usize| points.iter().map(|p| p[c]).sum::<f64>() / n);
+    let line = Line { slope, mean };
+    let squares = points.iter().map(|p| (p[1] - line.at(p[0])).powi(2)).sum::<f64>();
     let [least, most] = SLOPES;
-    ((least..=most).contains(&slope) && (squares / n).sqrt() <= SCATTER).then_some(slope)
+    ((least..=most).contains(&slope) && (squares / n).sqrt() <= SCATTER).then_some(line)
 }
 
 #[cfg(test)]
@@ -109,13 +129,15 @@ mod tests {
     #[test]
     fn the_end_follows_the_measured_slope_and_beyond_what_was_seen_the_root() {
         let rule = |wanted| StopRule { wanted };
+        // -0.75 as it is drawn towards -0.5 by eight times the passes.
+        let drawn = -0.5 - 0.25 * 8f64.ln().powi(2) / (8f64.ln().powi(2) + 2.0);
+        assert!(drawn < -0.65);
         for (power, wanted, exact) in [
             // 256 * 2^2.
             (-0.5, 0.05, 1024.0),
-            // 256 * 2^(1 / 0.75).
-            (-0.75, 0.05, 645.0),
+            (-0.75, 0.05, 256.0 * 2f64.powf(-1.0 / drawn)),
             // Eight times the passes at the slope seen, the rest at -1/2.
-            (-0.75, 0.01, 256.0 * 8.0 * (0.1 * 8f64.powf(-0.75) / 0.01).powi(2)),
+            (-0.75, 0.01, 256.0 * 8.0 * (0.1 * 8f64.powf(drawn) / 0.01).powi(2)),
         ] {
             let trend = Trend::of(&falling(power)).unwrap();
             assert!(trend.measured, "{trend:?}");

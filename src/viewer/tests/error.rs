@@ -352,7 +352,7 @@ fn the_time_that_an_error_takes_is_foreseen() {
     let end = desk.newest().passes;
     assert!(end >= 256, "{end}: {foreseen:?}");
     let from = |part: u64| foreseen.iter().filter(move |(passes, _)| passes * part >= end);
-    for (part, least, most) in [(8, 0.45, 2.2), (2, 0.7, 1.4)] {
+    for (part, least, most) in [(8, 0.4, 2.5), (2, 0.7, 1.4)] {
         assert!(from(part).count() >= 3);
         for (passes, found) in from(part) {
             let ratio = *found as f64 / end as f64;
