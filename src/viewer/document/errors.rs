@@ -95,8 +95,8 @@ pub(crate) struct Curve {
     pub(crate) estimated: History,
     /// Against the reference.
     pub(crate) truth: History,
-    /// Passes when it was last seen.
-    passes: u64,
+    /// Passes and seconds when it was last seen.
+    seen: (u64, f64),
 }
 
 /// The curves of the pictures of one scene, the one that was traced last at the end.
@@ -108,13 +108,13 @@ pub(crate) struct Curves {
 impl Curves {
     /// More pictures than this are not remembered.
     pub(crate) const MOST: usize = 24;
-    /// A picture that was left before it had so many passes was a step of a drag.
-    const WORTH: u64 = 32;
+    /// A picture that was left before it had so many passes or seconds was a step of a drag.
+    const WORTH: (u64, f64) = (32, 1.0);
 
     /// Takes in what a snapshot of these parameters tells.
     pub(crate) fn note(&mut self, params: &Params, snapshot: &Snapshot) {
         let curve = self.curve(params);
-        curve.passes = snapshot.passes;
+        curve.seen = (snapshot.passes, snapshot.seconds);
         curve.estimated.begin(snapshot.seconds);
         curve.truth.begin(snapshot.seconds);
         if let Some(ErrorEstimate { relative, reliable, .. }) = snapshot.error {
@@ -170,7 +170,9 @@ impl Curves {
             Some(at) => self.curves.remove(at),
             None => {
                 let same_scene = |c: &Curve| Arc::ptr_eq(&c.params.scene, &params.scene);
-                self.curves.retain(|c| same_scene(c) && c.passes >= Curves::WORTH);
+                let (passes, seconds) = Curves::WORTH;
+                let worth = |c: &Curve| c.seen.0 >= passes || c.seen.1 >= seconds;
+                self.curves.retain(|c| same_scene(c) && worth(c));
                 let surplus = (self.curves.len() + 1).saturating_sub(Curves::MOST);
                 self.curves.drain(..surplus);
                 let params = params.clone();
@@ -178,7 +180,7 @@ impl Curves {
                     params,
                     estimated: History::default(),
                     truth: History::default(),
-                    passes: 0,
+                    seen: (0, 0.0),
                 }
             }
         };

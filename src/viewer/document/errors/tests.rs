@@ -113,6 +113,10 @@ fn steps_of_a_drag_and_other_scenes_are_forgotten() {
         curves.note(&alpha(0.5 - 0.002 * f64::from(i)), &snapshot(0.03, 6, Some(0.4)));
     }
     assert_eq!(curves.of_view(&first).len(), 2, "the one before the drag, and the last");
+    // Few passes, but slow ones that somebody waited for.
+    curves.note(&alpha(0.9), &snapshot(3.0, 6, Some(0.4)));
+    curves.note(&alpha(0.8), &snapshot(0.1, 1, None));
+    assert_eq!(curves.of_view(&first).len(), 2, "not the last of the drag, but the slow one");
     for i in 1..200 {
         curves.note(&alpha(0.002 * f64::from(i)), &snapshot(0.3, 40, Some(0.2)));
     }
