@@ -190,7 +190,7 @@ impl App {
             self.notice = Some(Notice::news(labels::LAYER_NONE));
             return;
         }
-        self.canvas.layer = self.canvas.layer.next();
+        self.canvas.maps.layer = self.canvas.maps.layer.next();
     }
 
     /// Keeps the picture as it is, to compare others with.

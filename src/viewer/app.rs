@@ -365,7 +365,8 @@ impl App {
                 self.lobe.ui(ui, document, &mut asked);
                 self.pixel.ui(ui, document, &mut asked);
                 self.materials.ui(ui, document);
-                let layer = Some(&mut self.canvas.layer).filter(|_| !self.compare.is_difference());
+                let layer =
+                    Some(&mut self.canvas.maps.layer).filter(|_| !self.compare.is_difference());
                 asked.extend(self.view.ui(ui, document, layer));
                 if let Some(render) = &mut self.render {
                     self.error.ui(ui, document, render, &self.compare, &mut asked);

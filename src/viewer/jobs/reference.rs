@@ -3,6 +3,7 @@
 use crate::viewer::panels::compare::Frozen;
 use crate::viewer::picture::frozen;
 use burnish::picture::{read_exr_part, read_recipe};
+use burnish::progressive::Recipe;
 use egui::Context;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -52,6 +53,7 @@ fn read(path: &Path) -> Result<Frozen, String> {
     let read = read_exr_part(path, None).map_err(|e| e.to_string())?;
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     let recipe = read_recipe(path).ok().flatten();
-    let resumable = recipe.map(|_| path.to_path_buf());
-    Ok(Frozen { name, snapshot: frozen::snapshot(&read.picture), resumable })
+    let resumable = recipe.as_ref().map(|_| path.to_path_buf());
+    let noise = recipe.and_then(|text| Recipe::parse(&text).ok()?.error).map(|e| e.relative);
+    Ok(Frozen { name, snapshot: frozen::snapshot(&read.picture), resumable, noise })
 }

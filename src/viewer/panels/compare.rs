@@ -124,6 +124,8 @@ pub(crate) struct Frozen {
     pub(crate) snapshot: Snapshot,
     /// The file that can be gone on with, if it is such a one.
     pub(crate) resumable: Option<PathBuf>,
+    /// Its own relative error, as far as it is known.
+    pub(crate) noise: Option<f64>,
 }
 
 pub(crate) struct Compare {
@@ -182,7 +184,8 @@ impl Compare {
 
     /// Takes a picture that others are to be compared with.
     pub(crate) fn take_tag(&mut self, name: String, snapshot: Snapshot) {
-        self.tag = Some(Frozen { name, snapshot, resumable: None });
+        let noise = snapshot.error.map(|e| e.relative.value);
+        self.tag = Some(Frozen { name, snapshot, resumable: None, noise });
     }
 
     /// Compares with this picture from now on.

@@ -1,16 +1,15 @@
 //! The picture itself: drawn into its space, and the pointer's and arrow keys' way to the camera.
 
 use crate::viewer::document::Document;
-use crate::viewer::panels::compare::Layout;
 use crate::viewer::picture::crop;
-use crate::viewer::picture::maps::{self, Layer, Pixel, Scale};
+use crate::viewer::picture::legend::{self, Pixel};
+use crate::viewer::picture::maps::{FalseColour, Layer};
 use crate::viewer::picture::orbit;
 use crate::viewer::picture::side::Side;
-use crate::viewer::picture::texture::{Look, PictureTexture};
+use crate::viewer::picture::texture::Look;
 use crate::viewer::picture::versus::{self, DifferenceTexture, Versus};
 use crate::viewer::style::theme;
 use crate::viewer::style::widgets;
-use burnish::picture::Tone;
 use burnish::progressive::{Params, Snapshot, State, TileGrid};
 use burnish::scene::{Camera, Scene};
 use egui::{
@@ -52,11 +51,7 @@ pub(crate) struct Canvas {
     sides: [Side; 2],
     difference: DifferenceTexture,
     /// What is shown of the pictures.
-    pub(crate) layer: Layer,
-    /// What the colours mean, while they are false ones.
-    scale: Option<Scale>,
-    /// Whether tiles have come since then.
-    news: bool,
+    pub(crate) maps: FalseColour,
     /// Where the bar between the two is, as a part of the picture's width.
     pub(crate) wipe: f32,
     /// What the picture was last seen to be of.
@@ -89,9 +84,7 @@ impl Canvas {
         Canvas {
             sides: Default::default(),
             difference: DifferenceTexture::default(),
-            layer: Layer::default(),
-            scale: None,
-            news: false,
+            maps: FalseColour::default(),
             wipe: 0.5,
             seen: None,
             zoom: Zoom::Fit,
@@ -138,7 +131,7 @@ impl Canvas {
             seen.epoch != snapshot.epoch && same_view && same_size && coarse
         });
         if !waits {
-            self.news |= self.sides[0].show(snapshot, Look::Tone(document.tone));
+            self.maps.news |= self.sides[0].show(snapshot, Look::Tone(document.tone));
             let (scene, camera) = (params.scene.clone(), params.camera);
             self.seen = Some(Seen { scene, camera, epoch: snapshot.epoch });
         }
@@ -147,35 +140,13 @@ impl Canvas {
 
     /// Shows a picture in place of the one being traced (0), or as the second one (1).
     pub(crate) fn put(&mut self, side: usize, snapshot: &Snapshot, document: &Document) {
-        self.news |= self.sides[side].show(snapshot, Look::Tone(document.tone));
+        self.maps.news |= self.sides[side].show(snapshot, Look::Tone(document.tone));
     }
 
     /// Has no second picture any more.
     pub(crate) fn alone(&mut self) {
         self.sides[1] = Side::default();
         self.difference = DifferenceTexture::default();
-    }
-
-    /// How tiles become colours: on one scale for both pictures.
-    fn look(&mut self, tone: Tone, layout: Option<Layout>) -> Look {
-        // A difference has colours of its own.
-        if self.layer == Layer::Picture || layout == Some(Layout::Difference) {
-            self.scale = None;
-            return Look::Tone(tone);
-        }
-        let known = self.scale.filter(|scale| scale.layer == self.layer && !self.news);
-        let scale = known.unwrap_or_else(|| {
-            let textures = self.sides.iter().filter_map(|side| side.texture.as_ref());
-            Scale::of(self.layer, textures.flat_map(PictureTexture::tiles), self.scale)
-        });
-        (self.scale, self.news) = (Some(scale), false);
-        Look::Map(scale)
-    }
-
-    /// What the colours mean, while they are false ones.
-    #[cfg(test)]
-    pub(crate) fn scale(&self) -> Option<Scale> {
-        self.scale
     }
 
     /// The value at the pointer on the scale.
@@ -207,7 +178,7 @@ impl Canvas {
         let room = room(spaces[0]) * pixels_per_point;
         if let Some(document) = &document {
             let options = filter(self.times(room));
-            let look = self.look(document.tone, layout);
+            let look = self.maps.look(document.tone, layout, &self.sides);
             for side in &mut self.sides {
                 side.refresh(ui.ctx(), look, options);
             }
@@ -240,9 +211,9 @@ impl Canvas {
                 self.pointer(ui, &response, document, place, times);
             }
             keyboard(ui, &response, document);
-            if let Some(scale) = &self.scale {
+            if let Some(scale) = &self.maps.scale() {
                 let at = [spaces[0], places[0]];
-                maps::legend(ui, scale, at, self.pointed(scale.layer));
+                legend::paint(ui, scale, at, self.pointed(scale.layer));
             }
             if response.has_focus() {
                 widgets::focus_frame(ui, places[0].intersect(space));

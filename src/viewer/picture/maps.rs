@@ -1,13 +1,16 @@
 //! What is shown of a picture: itself, its noise, or where its samples went, the latter two in false
-//! colour with a legend.
+//! colour.
 
 use crate::viewer::keys::{self, Action};
+use crate::viewer::panels::compare::Layout;
+use crate::viewer::picture::side::Side;
+use crate::viewer::picture::texture::{Look, PictureTexture};
 use crate::viewer::style::labels::{self, Control};
-use crate::viewer::style::numbers::{percent, short};
-use crate::viewer::style::theme;
+use crate::viewer::style::numbers::{digits, short};
 use burnish::film::{CELL, REL_MSE_FLOOR};
+use burnish::picture::Tone;
 use burnish::progressive::{TileImage, TileRect};
-use egui::{Align2, Color32, FontId, Rect, Shape, Stroke, TextStyle, Ui, pos2, vec2};
+use egui::Color32;
 
 /// What is shown of a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,7 +40,7 @@ impl Layer {
     }
 
     /// The value of a pixel of a tile, by its column and row there; `None` while it is not known.
-    fn value(self, tile: &TileImage, rect: TileRect, [x, y]: [usize; 2]) -> Option<f32> {
+    pub(super) fn value(self, tile: &TileImage, rect: TileRect, [x, y]: [usize; 2]) -> Option<f32> {
         let pixel = y * rect.width() + x;
         match self {
             Layer::Picture => None,
@@ -53,22 +56,17 @@ impl Layer {
     }
 
     /// A value in words, with its unit.
-    fn words(self, value: f32) -> String {
+    pub(super) fn words(self, value: f32) -> String {
         match self {
             Layer::Picture => String::new(),
             Layer::Noise => {
-                let whole = percent(value.into());
+                let words = digits(100.0 * f64::from(value), 3);
                 // A range's ends are round.
-                let trimmed = whole.trim_end_matches(" %");
-                let trimmed = match trimmed.contains('.') {
-                    true => trimmed.trim_end_matches('0').trim_end_matches('.'),
-                    false => trimmed,
+                let words = match words.contains('.') && !words.contains('e') {
+                    true => words.trim_end_matches('0').trim_end_matches('.'),
+                    false => &words,
                 };
-                if value < 1e-4 {
-                    format!("{:.0e} %", 100.0 * value)
-                } else {
-                    format!("{trimmed} %")
-                }
+                format!("{words} %")
             }
             Layer::Samples if value < 1e6 => format!("{value:.0}"),
             Layer::Samples => short(value.into()),
@@ -96,7 +94,7 @@ const PROBES: usize = 16_384;
 /// The part of the pixels that may lie beyond either end.
 const BEYOND: f32 = 0.02;
 /// No more than this from one end to the other, or all that matters would have one colour.
-const SPAN: f32 = 200.0;
+const SPAN: f32 = 50.0;
 
 impl Scale {
     /// The scale for these tiles, of which nothing is known yet where there is none. It stays as it
@@ -143,7 +141,7 @@ impl Scale {
     }
 
     /// Where a value lies, from 0 to 1.
-    fn share(&self, value: f32) -> f32 {
+    pub(super) fn share(&self, value: f32) -> f32 {
         let [low, high] = self.ends.map(f32::ln);
         ((value.ln() - low) / (high - low)).clamp(0.0, 1.0)
     }
@@ -181,6 +179,38 @@ impl Layer {
     }
 }
 
+/// The layer that is chosen, with the scale that its colours have at present.
+#[derive(Default)]
+pub(crate) struct FalseColour {
+    pub(crate) layer: Layer,
+    scale: Option<Scale>,
+    /// Whether tiles have come since the scale was made.
+    pub(super) news: bool,
+}
+
+impl FalseColour {
+    /// How tiles become colours: on one scale for both pictures.
+    pub(super) fn look(&mut self, tone: Tone, layout: Option<Layout>, sides: &[Side; 2]) -> Look {
+        // A difference has colours of its own.
+        if self.layer == Layer::Picture || layout == Some(Layout::Difference) {
+            self.scale = None;
+            return Look::Tone(tone);
+        }
+        let known = self.scale.filter(|scale| scale.layer == self.layer && !self.news);
+        let scale = known.unwrap_or_else(|| {
+            let textures = sides.iter().filter_map(|side| side.texture.as_ref());
+            Scale::of(self.layer, textures.flat_map(PictureTexture::tiles), self.scale)
+        });
+        (self.scale, self.news) = (Some(scale), false);
+        Look::Map(scale)
+    }
+
+    /// What the colours mean, while they are false ones.
+    pub(crate) fn scale(&self) -> Option<Scale> {
+        self.scale
+    }
+}
+
 /// Of pixels whose value is not known.
 pub(crate) const UNKNOWN: Color32 = Color32::from_gray(0x68);
 
@@ -199,7 +229,7 @@ const VIRIDIS: [[u8; 3]; 9] = [
 ];
 
 /// The colour of a part of the scale, 0 to 1.
-fn viridis(share: f32) -> Color32 {
+pub(super) fn viridis(share: f32) -> Color32 {
     let at = share.clamp(0.0, 1.0) * (VIRIDIS.len() - 1) as f32;
     let i = (at as usize).min(VIRIDIS.len() - 2);
     let t = at - i as f32;
@@ -208,75 +238,6 @@ fn viridis(share: f32) -> Color32 {
         (from + t * (to - from)).round() as u8
     });
     Color32::from_rgb(r, g, b)
-}
-
-/// Width and height of the legend.
-const LEGEND: egui::Vec2 = vec2(240.0, 56.0);
-
-/// What the colours mean: below the picture where there is room, else over its lower left corner.
-/// Points to the value of a pixel.
-pub(crate) fn legend(ui: &Ui, scale: &Scale, [space, place]: [Rect; 2], pixel: Pixel) {
-    let painter = ui.painter_at(space);
-    let font: FontId = TextStyle::Small.resolve(ui.style());
-    let seen = place.intersect(space);
-    let below = pos2(seen.left(), seen.bottom() + theme::GAP);
-    let within = seen.left_bottom() + vec2(theme::GAP, -LEGEND.y - theme::GAP);
-    let fits = below.y + LEGEND.y + theme::GAP <= space.bottom();
-    let at = Rect::from_min_size(if fits { below } else { within }, LEGEND);
-    painter.rect_filled(at, theme::RADIUS, Color32::from_black_alpha(200));
-    let inner = at.shrink2(vec2(8.0, 6.0));
-    let write = |at, align, words: String, colour| {
-        painter.text(at, align, words, font.clone(), colour);
-    };
-    let quiet = Color32::from_gray(0xc8);
-    let title = scale.layer.control().name;
-    let what = match scale.layer {
-        Layer::Picture => title,
-        Layer::Noise => "relative standard error, log",
-        Layer::Samples => "samples per pixel, log",
-    };
-    write(inner.left_top(), Align2::LEFT_TOP, what.to_owned(), Color32::WHITE);
-    let bar = Rect::from_min_size(inner.min + vec2(0.0, 16.0), vec2(inner.width(), 10.0));
-    let steps = 112;
-    let x = |share: f32| bar.left() + bar.width() * share;
-    for i in 0..steps {
-        let [from, to] = [i, i + 1].map(|i| i as f32 / steps as f32);
-        let cell = Rect::from_x_y_ranges(x(from)..=x(to), bar.y_range());
-        painter.rect_filled(cell, 0.0, viridis((from + to) / 2.0));
-    }
-    let below = bar.bottom() + 4.0;
-    let [low, high] = scale.ends.map(|v| scale.layer.words(v));
-    write(pos2(bar.left(), below), Align2::LEFT_TOP, format!("{low} and less"), quiet);
-    write(pos2(bar.right(), below), Align2::RIGHT_TOP, format!("{high} and more"), quiet);
-    match pixel {
-        Pixel::None => {}
-        Pixel::Unknown => {
-            write(inner.right_top(), Align2::RIGHT_TOP, "not known (grey)".to_owned(), quiet);
-        }
-        Pixel::Value(value) => {
-            let tip = pos2(x(scale.share(value)), bar.bottom() - 1.0);
-            let corners = vec![tip, tip + vec2(-4.0, 6.0), tip + vec2(4.0, 6.0)];
-            let outline = Stroke::new(1.0, Color32::BLACK);
-            painter.add(Shape::convex_polygon(corners, Color32::WHITE, outline));
-            let words = scale.layer.words(value);
-            write(inner.right_top(), Align2::RIGHT_TOP, words, Color32::WHITE);
-        }
-    }
-}
-
-/// What the legend points to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Pixel {
-    None,
-    Unknown,
-    Value(f32),
-}
-
-impl Pixel {
-    /// Of a pixel at this place of its tile.
-    pub(crate) fn of(layer: Layer, tile: &TileImage, rect: TileRect, at: [usize; 2]) -> Pixel {
-        layer.value(tile, rect, at).map_or(Pixel::Unknown, Pixel::Value)
-    }
 }
 
 /// The tooltip of a layer's button.
@@ -359,7 +320,8 @@ mod tests {
     fn values_are_told_with_their_units() {
         let words = [0.001, 0.02, 0.5, 1.0, 0.1234].map(|v| Layer::Noise.words(v));
         assert_eq!(words, ["0.1 %", "2 %", "50 %", "100 %", "12.3 %"]);
-        assert_eq!(Layer::Noise.words(2e-5), "2e-3 %");
+        let small = [2e-5, 1e-7, 3e-9].map(|v| Layer::Noise.words(v));
+        assert_eq!(small, ["0.002 %", "1.00e-5 %", "3.00e-7 %"]);
         assert_eq!([16.0, 4096.0].map(|v| Layer::Samples.words(v)), ["16", "4096"]);
     }
 }

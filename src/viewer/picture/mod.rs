@@ -4,6 +4,7 @@ pub(crate) mod canvas;
 pub(crate) mod crop;
 pub(crate) mod difference;
 pub(crate) mod frozen;
+pub(crate) mod legend;
 pub(crate) mod maps;
 pub(crate) mod orbit;
 pub(crate) mod side;

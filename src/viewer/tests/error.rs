@@ -208,7 +208,7 @@ fn with_a_reference_the_true_error_is_told_too() {
         render.errors.of(render.told()).is_some_and(|c| c.truth.newest().is_some())
     };
     desk.until("a true error", has_truth);
-    desk.until_labelled("True error against reference.exr, whose own noise is unknown");
+    desk.until_labelled("True error against reference.exr, whose own error is unknown and in it");
     let found = *desk.curve().truth.newest().unwrap();
     let reference = Reference::known(read_exr(&path).unwrap());
     let mean = desk.newest().mean();
@@ -241,18 +241,28 @@ fn with_a_reference_the_true_error_is_told_too() {
 #[test]
 fn a_tag_and_a_picture_of_another_size_as_reference_are_told_as_what_they_are() {
     let mut desk = Desk::done(40);
+    let own = crate::viewer::style::numbers::percent(desk.newest().error.unwrap().relative.value);
+    desk.key(Key::S);
+    desk.until("snapshot", |app| app.notice.as_ref().is_some_and(|n| n.text.starts_with("Wrote")));
     desk.key(Key::T);
     desk.document(|d| d.params.seed = 3);
     desk.until_done(40);
     desk.open_errors();
     desk.click_role_within("Tag", "Reference");
-    desk.until_labelled("True error against the tag \"GGX, 40 passes\": its own noise, ");
-    let path = desk.folder.path().join("small.exr");
-    write(&path, &burnish::picture::Picture::black(8, 8), Default::default()).unwrap();
+    let told = format!("True error against the tag \"GGX, 40 passes\", whose own error, {own}");
+    desk.until_labelled(&told);
+    // A snapshot tells its own error.
+    let path = desk.folder.path().join("out").join("two_ggx_0001.exr");
     let ctx = desk.harness.ctx.clone();
     desk.harness.state_mut().as_mut().unwrap().load(&ctx, Source::File(path), false);
     desk.until("the file", |app| app.compare.file.is_some());
     desk.click_role_within("File", "Reference");
+    desk.until_labelled(&format!("True error against two_ggx_0001.exr, whose own error, {own}"));
+    let path = desk.folder.path().join("small.exr");
+    write(&path, &burnish::picture::Picture::black(8, 8), Default::default()).unwrap();
+    let ctx = desk.harness.ctx.clone();
+    desk.harness.state_mut().as_mut().unwrap().load(&ctx, Source::File(path), false);
+    desk.until("the file", |app| app.compare.file.as_ref().is_some_and(|f| f.name == "small.exr"));
     desk.until_labelled("No true error against small.exr: the picture has 64x48 pixels");
 }
 

@@ -33,8 +33,8 @@ fn the_noise_map_shows_where_the_noise_is_and_the_picture_comes_back() {
     let picture = desk.shown();
     desk.click_role(Role::Button, "Noise");
     desk.until("a map", |app| app.canvas.is_settled());
-    assert_eq!(desk.app().canvas.layer, Layer::Noise);
-    let scale = desk.app().canvas.scale().expect("no scale");
+    assert_eq!(desk.app().canvas.maps.layer, Layer::Noise);
+    let scale = desk.app().canvas.maps.scale().expect("no scale");
     assert!(scale.ends[0] > 1e-5 && scale.ends[1] < 10.0, "{scale:?}");
     assert!(scale.ends[1] / scale.ends[0] <= 1000.0, "{scale:?}");
     // By the formula, from the snapshot.
@@ -59,10 +59,10 @@ fn the_noise_map_shows_where_the_noise_is_and_the_picture_comes_back() {
     });
     assert!(copied.expect("nothing on the clipboard") == picture);
     desk.key(Key::M);
-    assert_eq!(desk.app().canvas.layer, Layer::Samples);
+    assert_eq!(desk.app().canvas.maps.layer, Layer::Samples);
     desk.key(Key::M);
     desk.until("the picture", |app| app.canvas.is_settled());
-    assert!(desk.shown() == picture && desk.app().canvas.scale().is_none());
+    assert!(desk.shown() == picture && desk.app().canvas.maps.scale().is_none());
 }
 
 #[test]
@@ -74,7 +74,7 @@ fn the_sample_map_shows_where_the_samples_went() {
     let [least, most] = [f32::min as fn(f32, f32) -> f32, f32::max]
         .map(|f| samples.iter().copied().reduce(f).unwrap());
     assert!(most > 2.0 * least, "the scene has cells that need more: {least} {most}");
-    let scale = desk.app().canvas.scale().unwrap();
+    let scale = desk.app().canvas.maps.scale().unwrap();
     assert!(scale.ends[0] <= least && scale.ends[1] >= most, "{scale:?} {least} {most}");
     assert!(is_in_order(&desk.shown(), &samples));
     // The pixel under the pointer is told as before.
@@ -108,7 +108,7 @@ fn two_pictures_have_one_scale_and_a_difference_none() {
     });
     desk.key(Key::M);
     desk.until("maps", |app| app.canvas.is_settled());
-    assert!(desk.app().canvas.scale().is_some());
+    assert!(desk.app().canvas.maps.scale().is_some());
     // Both are maps: no two textures of that size are of a picture any more.
     let textures = desk.card.0.borrow();
     let maps: Vec<&Vec<Color32>> = textures
@@ -124,11 +124,11 @@ fn two_pictures_have_one_scale_and_a_difference_none() {
     desk.click("Diff");
     desk.harness.run_ok();
     assert_eq!(desk.app().compare.layout, Layout::Difference);
-    assert!(desk.app().canvas.scale().is_none());
+    assert!(desk.app().canvas.maps.scale().is_none());
     desk.key(Key::M);
-    assert_eq!(desk.app().canvas.layer, Layer::Noise, "it stays");
+    assert_eq!(desk.app().canvas.maps.layer, Layer::Noise, "it stays");
     assert!(desk.notice().contains("No maps while a difference is shown"), "{}", desk.notice());
     desk.click("Wipe");
     desk.harness.run_ok();
-    assert!(desk.app().canvas.scale().is_some());
+    assert!(desk.app().canvas.maps.scale().is_some());
 }

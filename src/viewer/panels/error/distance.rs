@@ -178,7 +178,7 @@ impl Distances {
 
     /// Where the figures come from.
     pub(super) fn words(&self) -> String {
-        let Some(Frozen { name, snapshot, .. }) = &self.reference else {
+        let Some(Frozen { name, snapshot, noise, .. }) = &self.reference else {
             return "Estimated by the picture itself, from the spread of its 4 independent \
                     replicates."
                 .to_owned();
@@ -187,13 +187,13 @@ impl Distances {
         if let Some(Err(why)) = last.map(|answer| &answer.distance) {
             return format!("No true error against {name}: {why}.");
         }
-        match snapshot.error {
-            Some(error) => format!(
-                "True error against the tag \"{name}\": its own noise, {}, is in it; samples that \
-                 both have are not seen.",
-                percent(error.relative.value)
-            ),
-            None => format!("True error against {name}, whose own noise is unknown and in it."),
+        let noise = match noise {
+            Some(noise) => format!("whose own error, {}, is in it", percent(*noise)),
+            None => "whose own error is unknown and in it".to_owned(),
+        };
+        match snapshot.counts.paths {
+            0 => format!("True error against {name}, {noise}."),
+            _ => format!("True error against the tag \"{name}\", {noise}; not what both share."),
         }
     }
 }

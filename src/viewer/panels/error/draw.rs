@@ -271,6 +271,9 @@ impl Frame<'_> {
         let points: Vec<Pos2> = points.collect();
         let thin = Stroke::new(1.5, stroke.color);
         self.within.extend(Shape::dotted_line(&points, thin.color, 5.0, thin.width));
+        if let Some(newest) = points.last() {
+            self.within.circle_stroke(*newest, 1.0 + stroke.width, thin);
+        }
     }
 }
 
