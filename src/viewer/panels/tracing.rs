@@ -179,7 +179,7 @@ fn size(ui: &mut Ui, document: &mut Document, room: [u32; 2]) {
 
 /// Which part of the picture is traced; whether the whole is wished for.
 fn crop(ui: &mut Ui, crop: Crop) -> bool {
-    let [x, y, side] = crop.parts().map(|part| percent(part));
+    let [x, y, side] = crop.parts().map(percent);
     widgets::field(ui, &labels::CROP, |ui, _| {
         let words = match crop {
             Crop::WHOLE => "the whole picture".to_owned(),
