@@ -127,6 +127,16 @@ for model in 1:phong 2:beckmann 3:ggx; do
     shot "model-${model##*:}"
 done
 
+# Where the noise is, where the samples went, and how the error fell; snapshots are of the picture.
+key m
+shot noise-map
+key m
+shot sample-map
+key m
+key g
+shot errors
+key g
+
 # Four presses double alpha: a_p from 100 to 102 / 4 - 2.
 key bracketright bracketright bracketright bracketright
 until_so "rougher" snapshot_says "a_p 23.5"

@@ -39,6 +39,7 @@ impl App {
             Action::Tag => self.tag(),
             Action::Lobes => self.turned = Some("lobes"),
             Action::Pixel => self.turned = Some("pixel"),
+            Action::Errors => self.turned = Some("error"),
             Action::CopyPicture => self.copy_picture(ctx),
             Action::Dismiss => self.dismiss(ctx),
             Action::Layer => self.next_layer(),

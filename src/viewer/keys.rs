@@ -28,6 +28,7 @@ pub(super) enum Action {
     Tag,
     Lobes,
     Pixel,
+    Errors,
     CopyPicture,
     Layer,
     HidePanel,
@@ -247,6 +248,14 @@ pub(super) const TABLE: &[Binding] = &[
         name: "Pixel",
         does: "What the clicked pixel is made of, or not",
         tip: "Opens or closes the section that tells of the pixel last clicked.",
+    },
+    Binding {
+        action: Action::Errors,
+        keys: &[plain(Key::G)],
+        name: "Error over time",
+        does: "The error over time, or not",
+        tip: "Opens or closes the section that draws how the relative error fell, of all pictures of \
+              this view.",
     },
     Binding {
         action: Action::Layer,

@@ -23,7 +23,8 @@ use burnish::progressive::{Params, Snapshot};
 #[cfg(test)]
 pub(crate) use distance::Against;
 use distance::Distances;
-use egui::{Label, RichText, Sense, Ui, vec2};
+use egui::text::LayoutJob;
+use egui::{Label, RichText, Sense, TextStyle, Ui, vec2};
 
 /// Curves of other materials or methods than the shown ones that are drawn at most.
 const OTHERS: usize = 4;
@@ -80,12 +81,7 @@ impl ErrorPanel {
             None => "No error is known before 4 passes.".to_owned(),
             Some(_) => self.distances.words(),
         };
-        let size = vec2(ui.available_width(), CAPTION);
-        ui.allocate_ui(size, |ui| {
-            ui.set_min_size(size);
-            ui.add(Label::new(RichText::new(words).small().weak()).wrap())
-                .on_hover_text(labels::ERROR_CAPTION);
-        });
+        caption(ui, &words);
         let params = &document.params;
         let rows = rows(curves, params);
         let goal = (document.goal.stop == Stop::Error).then_some(document.goal.error);
@@ -102,6 +98,18 @@ impl ErrorPanel {
         };
         self.exports.ui(ui, controls, stem, place, content, actions);
     }
+}
+
+/// Small words in a place of their own; all of them where they are pointed at.
+fn caption(ui: &mut Ui, words: &str) {
+    let size = vec2(ui.available_width(), CAPTION);
+    let font = TextStyle::Small.resolve(ui.style());
+    let mut job = LayoutJob::simple(words.to_owned(), font, theme::weak(ui), size.x);
+    job.wrap.max_rows = 2;
+    ui.allocate_ui(size, |ui| {
+        ui.set_min_size(size);
+        ui.add(Label::new(job)).on_hover_text(format!("{words}\n\n{}", labels::ERROR_CAPTION));
+    });
 }
 
 /// The three models with the materials that are shown, traced or not, and some of what else there is.

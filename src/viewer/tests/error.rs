@@ -12,7 +12,8 @@ use std::sync::Arc;
 
 impl Desk {
     fn open_errors(&mut self) {
-        self.click_role(Role::Button, "Error over time");
+        // By its key, as lobes and pixel.
+        self.key(Key::G);
         self.until_labelled("estimated");
     }
 
@@ -208,7 +209,7 @@ fn with_a_reference_the_true_error_is_told_too() {
         render.errors.of(render.told()).is_some_and(|c| c.truth.newest().is_some())
     };
     desk.until("a true error", has_truth);
-    desk.until_labelled("True error against reference.exr, whose own error is unknown and in it");
+    desk.until_labelled("True error against reference.exr; its own error is unknown, and included");
     let found = *desk.curve().truth.newest().unwrap();
     let reference = Reference::known(read_exr(&path).unwrap());
     let mean = desk.newest().mean();
@@ -249,7 +250,7 @@ fn a_tag_and_a_picture_of_another_size_as_reference_are_told_as_what_they_are() 
     desk.until_done(40);
     desk.open_errors();
     desk.click_role_within("Tag", "Reference");
-    let told = format!("True error against the tag \"GGX, 40 passes\", whose own error, {own}");
+    let told = format!("True error against the tag (GGX, 40 passes); its own error, {own}");
     desk.until_labelled(&told);
     // A snapshot tells its own error.
     let path = desk.folder.path().join("out").join("two_ggx_0001.exr");
@@ -257,7 +258,7 @@ fn a_tag_and_a_picture_of_another_size_as_reference_are_told_as_what_they_are() 
     desk.harness.state_mut().as_mut().unwrap().load(&ctx, Source::File(path), false);
     desk.until("the file", |app| app.compare.file.is_some());
     desk.click_role_within("File", "Reference");
-    desk.until_labelled(&format!("True error against two_ggx_0001.exr, whose own error, {own}"));
+    desk.until_labelled(&format!("True error against two_ggx_0001.exr; its own error, {own}"));
     let path = desk.folder.path().join("small.exr");
     write(&path, &burnish::picture::Picture::black(8, 8), Default::default()).unwrap();
     let ctx = desk.harness.ctx.clone();

@@ -188,12 +188,12 @@ impl Distances {
             return format!("No true error against {name}: {why}.");
         }
         let noise = match noise {
-            Some(noise) => format!("whose own error, {}, is in it", percent(*noise)),
-            None => "whose own error is unknown and in it".to_owned(),
+            Some(noise) => format!("its own error, {}, is included", percent(*noise)),
+            None => "its own error is unknown, and included".to_owned(),
         };
         match snapshot.counts.paths {
-            0 => format!("True error against {name}, {noise}."),
-            _ => format!("True error against the tag \"{name}\", {noise}; not what both share."),
+            0 => format!("True error against {name}; {noise}."),
+            _ => format!("True error against the tag ({name}); {noise}, what both share is not."),
         }
     }
 }
