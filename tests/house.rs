@@ -22,7 +22,7 @@ const MAY_KNOW: [(&str, &[&str]); 11] = [
 ];
 
 /// Foreign names with the only places that may use them.
-const ONE_PLACE: [(&str, &[&str]); 28] = [
+const ONE_PLACE: [(&str, &[&str]); 31] = [
     (
         "obvhs",
         &[
@@ -39,6 +39,9 @@ const ONE_PLACE: [(&str, &[&str]); 28] = [
     ("png::", &["src/picture/files.rs"]),
     ("image::", &["src/picture/files.rs"]),
     ("exr::", &["src/picture/files.rs", "src/picture/exr_"]),
+    ("skrifa", &["src/picture/letters.rs"]),
+    ("ab_glyph_rasterizer", &["src/picture/letters.rs"]),
+    ("epaint_default_fonts", &["src/picture/letters.rs"]),
     ("sha2::", &["src/scene/read/files.rs"]),
     ("memmap2", &["src/geometry/pages.rs"]),
     ("bytemuck", &["src/geometry/"]),

@@ -74,7 +74,8 @@ fn picture(path: &Path, args: &Args) -> Result<(), Failure> {
     let found = found.ok_or_else(|| {
         let has = picture_contents(path).map_or(String::new(), |has| format!("; it has {has}"));
         about(&format_args!(
-            "there is no recipe in it: it was written by another program, or saved again by one{has}"
+            "there is no recipe in it: it was written by another program, or saved again by one, or is a \
+             contact sheet, whose .exr file has one for each picture{has}"
         ))
     })?;
     if let Some(part) = &found.part {

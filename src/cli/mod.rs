@@ -23,6 +23,7 @@ mod report;
 mod resume;
 mod scene;
 mod settings;
+mod sheet;
 mod snapshots;
 mod soak;
 mod stats;
@@ -92,6 +93,7 @@ enum Command {
     Render(Box<render::Args>),
     Report(report::Args),
     Resume(resume::Args),
+    Sheet(Box<sheet::Args>),
     Soak(soak::Args),
     Verify(verify::Args),
 }
@@ -122,6 +124,7 @@ pub(crate) fn main() -> ExitCode {
         Some(Command::Render(args)) => render::run(&args, started),
         Some(Command::Report(args)) => report::run(&args),
         Some(Command::Resume(args)) => resume::run(&args, started),
+        Some(Command::Sheet(args)) => sheet::run(&args),
         Some(Command::Soak(args)) => soak::run(&args),
         Some(Command::Verify(args)) => verify::run(&args, started),
     };

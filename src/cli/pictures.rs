@@ -2,7 +2,7 @@
 
 use super::outputs::Failures;
 use super::talk::detail;
-use burnish::picture::{Picture, Tone};
+use burnish::picture::{Picture, SaveError, Tone};
 use burnish::plain;
 use burnish::progressive::{Recipe, Snapshot};
 use std::path::{Path, PathBuf};
@@ -20,14 +20,17 @@ pub(super) fn write(
     for path in outputs {
         match recipe.save_with_samples(path, picture, &samples, tone) {
             Ok(()) => detail(format_args!("written: {}", plain::path(path))),
-            Err(e) => failures.add(format_args!("{e}; {}", rescue(path, recipe, picture, tone))),
+            Err(e) => {
+                let again = |place: &Path| recipe.save(place, picture, tone);
+                failures.add(format_args!("{e}; {}", rescue(path, again)));
+            }
         }
     }
 }
 
 /// Puts a picture that could not be written where it was wanted into the temporary folder, and says
 /// where or why not: what was rendered is not thrown away.
-fn rescue(path: &Path, recipe: &Recipe, picture: &Picture, tone: Tone) -> String {
+pub(super) fn rescue(path: &Path, save: impl Fn(&Path) -> Result<(), SaveError>) -> String {
     let ending = path.extension().map_or("exr".into(), |ending| ending.to_string_lossy());
     let place = tempfile::Builder::new()
         .prefix("burnish-")
@@ -35,7 +38,7 @@ fn rescue(path: &Path, recipe: &Recipe, picture: &Picture, tone: Tone) -> String
         .tempfile()
         .and_then(|file| file.into_temp_path().keep().map_err(|e| e.error));
     let kept = place.map_err(|e| e.to_string()).and_then(|place| {
-        recipe.save(&place, picture, tone).map(|()| place.clone()).map_err(|e| {
+        save(&place).map(|()| place.clone()).map_err(|e| {
             // It is empty.
             let _ = std::fs::remove_file(&place);
             e.to_string()

@@ -4,7 +4,7 @@ use super::checkpoint::Keeper;
 use super::jobs::{Job, jobs};
 use super::outputs::{self, Failures};
 use super::scene::{self, Loaded};
-use super::settings::{Settings, warn};
+use super::settings::{Display, Settings, warn};
 use super::stats::{self, Stats};
 use super::talk::{detail, note, say};
 use super::trace::{End, Traced, options, tell, trace};
@@ -12,7 +12,7 @@ use super::values::{self, Chosen};
 use super::{Failure, interrupt, misused, pictures};
 use burnish::brdf::{Erratum, Model};
 use burnish::measure::energy::remarks;
-use burnish::picture::{Curve, Picture, Tone};
+use burnish::picture::Picture;
 use burnish::plain;
 use burnish::progressive::{Goal as KeptGoal, Params, Recipe, Session, part};
 use std::ops::Range;
@@ -83,14 +83,8 @@ pub(super) struct Args {
     /// Worker threads; 0 is one a core. The picture does not depend on it.
     #[arg(long, value_name = "T", default_value_t = 0, value_parser = values::threads())]
     threads: usize,
-    /// Exposure of PNG files in stops, -30 to 30.
-    #[arg(long, value_name = "EV", default_value = "0",
-          value_parser = values::exposure)]
-    exposure: f32,
-    /// How PNG files bring bright values into range: neutral keeps the hue and shape of highlights and
-    /// is what the window shows, srgb clips each channel, so that what is below 1 is exact.
-    #[arg(long, value_name = "CURVE", default_value = "srgb", value_parser = values::curve())]
-    tone: Curve,
+    #[command(flatten)]
+    display: Display,
     /// Writes times, counts and the mean as JSON.
     #[arg(long, value_name = "FILE")]
     stats: Option<PathBuf>,
@@ -123,8 +117,8 @@ pub(super) fn run(args: &Args, mut started: Instant) -> Result<(), Failure> {
     for jobs_of_scene in jobs.chunk_by(|a, b| a.scene == b.scene) {
         let loaded = scene::load_for(
             jobs_of_scene[0].scene.as_deref(),
-            args.settings.isa,
-            args.settings.up,
+            args.settings.common.isa,
+            args.settings.common.up,
         )?;
         let read = loaded.scene.source().files.iter().map(|file| file.path.as_path());
         outputs::are_no_inputs(files(), read)?;
@@ -169,7 +163,7 @@ fn render(args: &Args, job: &Job, loaded: &Loaded, started: Instant) -> Result<b
         failures.note(keeper.finish(&session));
     }
     let picture = traced.snapshot.mean();
-    let tone = Tone { exposure: args.exposure, curve: args.tone };
+    let tone = args.display.tone();
     let recipe = Recipe::new(&params, &traced.snapshot);
     pictures::write(&job.outputs, &recipe, &traced.snapshot, &picture, tone, &mut failures);
     if let Some(path) = &job.stats {

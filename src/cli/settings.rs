@@ -4,6 +4,7 @@ use super::talk::{note, warning};
 use super::{scene, values};
 use burnish::brdf::{Erratum, Model, Normals, Roughness};
 use burnish::math::lanes::Isa;
+use burnish::picture::{Curve, Tone};
 use burnish::progressive::{Params, Strategy};
 use burnish::scene::{Axis, Camera, Crop, Scene};
 use burnish::trace::Group;
@@ -23,6 +24,13 @@ pub(super) struct Settings {
     /// Width and height in pixels instead of the scene's.
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     size: Option<[u32; 2]>,
+    #[command(flatten)]
+    pub(super) common: Common,
+}
+
+// Those that a contact sheet has as well. No doc comment here either.
+#[derive(Debug, clap::Args)]
+pub(super) struct Common {
     /// Camera instead of the scene's: the text after `camera` in a .scn file.
     #[arg(long, value_name = "x y z ry ORIENT", allow_hyphen_values = true,
           value_parser = scene::camera)]
@@ -77,6 +85,18 @@ pub(super) struct Settings {
 impl Settings {
     /// All that the pixels depend on. The scene must have been loaded for the instruction set.
     pub(super) fn params(&self, scene: &Arc<Scene>, model: Model) -> Params {
+        let mut params = self.common.params(scene, model);
+        params.size = self.size.unwrap_or(params.size);
+        match self.alpha.or(self.exponent) {
+            Some(roughness) => params.with_roughness(roughness),
+            None => params,
+        }
+    }
+}
+
+impl Common {
+    /// The scene as it is but for these. It must have been loaded for the instruction set.
+    pub(super) fn params(&self, scene: &Arc<Scene>, model: Model) -> Params {
         let mut params = Params::new(scene.clone());
         params.model = model;
         params.seed = self.seed;
@@ -87,13 +107,28 @@ impl Settings {
         params.reference = self.reference;
         params.group = if self.no_reuse { Some(Group::None) } else { self.group };
         params.uniform = self.uniform;
-        params.size = self.size.unwrap_or(params.size);
         params.camera = self.camera.unwrap_or(params.camera);
         params.camera.crop = self.crop.unwrap_or(Crop::WHOLE);
-        match self.alpha.or(self.exponent) {
-            Some(roughness) => params.with_roughness(roughness),
-            None => params,
-        }
+        params
+    }
+}
+
+// How PNG files are to look.
+#[derive(Debug, clap::Args)]
+pub(super) struct Display {
+    /// Exposure of PNG files in stops, -30 to 30.
+    #[arg(long, value_name = "EV", default_value = "0",
+          value_parser = values::exposure)]
+    exposure: f32,
+    /// How PNG files bring bright values into range: neutral keeps the hue and shape of highlights and
+    /// is what the window shows, srgb clips each channel, so that what is below 1 is exact.
+    #[arg(long, value_name = "CURVE", default_value = "srgb", value_parser = values::curve())]
+    tone: Curve,
+}
+
+impl Display {
+    pub(super) fn tone(&self) -> Tone {
+        Tone { exposure: self.exposure, curve: self.tone }
     }
 }
 

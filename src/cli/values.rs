@@ -39,6 +39,30 @@ pub(super) fn exponent(text: &str) -> Result<Roughness, String> {
     Roughness::from_exponent(number(text)?).map_err(|e| e.to_string())
 }
 
+/// Several alphas with commas between them.
+pub(super) fn alphas(text: &str) -> Result<Chosen<Roughness>, String> {
+    several(text, alpha)
+}
+
+/// Several exponents with commas between them.
+pub(super) fn exponents(text: &str) -> Result<Chosen<Roughness>, String> {
+    several(text, exponent)
+}
+
+fn several<T: PartialEq>(
+    text: &str,
+    one: impl Fn(&str) -> Result<T, String>,
+) -> Result<Chosen<T>, String> {
+    let mut all: Vec<T> = Vec::new();
+    for part in text.split(',') {
+        let value = one(part)?;
+        if !all.contains(&value) {
+            all.push(value);
+        }
+    }
+    Ok(Chosen(all))
+}
+
 /// Exposure in stops.
 pub(super) fn exposure(text: &str) -> Result<f32, String> {
     let [low, high] = Tone::EXPOSURE;
@@ -283,6 +307,12 @@ mod tests {
         for bad in ["0", "-1", "nan", "2", "200%", "%", "1e-9"] {
             assert!(error(bad).is_err(), "{bad}");
         }
+        for bad in ["", "0.1,", "0.1,x", "0.1,2", "0.1;0.2"] {
+            assert!(alphas(bad).is_err(), "{bad}");
+        }
+        let many = alphas("0.1, 0.2,0.1").unwrap().0;
+        assert_eq!(many.iter().map(|r| r.alpha()).collect::<Vec<_>>(), [0.1, 0.2]);
+        assert_eq!(exponents("98,10").unwrap().0.len(), 2);
         assert_eq!((error("0.02"), error("2 %"), error("1")), (Ok(0.02), Ok(0.02), Ok(1.0)));
         assert_eq!((exposure("-2.5"), seconds("0.25")), (Ok(-2.5), Ok(0.25)));
     }

@@ -1,7 +1,7 @@
 //! PNG and OpenEXR files.
 
 use super::exr_file::{self, LARGEST_SIDE, ReadPicture};
-use super::{Picture, SaveError, Sink, Tone, replace_file};
+use super::{Codes, Picture, SaveError, Sink, Tone, replace_file};
 use crate::limits::TEXT_BYTES;
 use crate::plain;
 use exr::meta::attribute::{AttributeValue, Text};
@@ -131,10 +131,7 @@ fn write_to(
             return Err(io::Error::new(io::ErrorKind::InvalidInput, text));
         }
         match format {
-            Format::Png => as_png(picture, tone, recipe, sink).map_err(|e| match e {
-                png::EncodingError::IoError(e) => e,
-                other => io::Error::other(other),
-            }),
+            Format::Png => as_png(picture, tone, recipe, sink).map_err(png_error),
             Format::Exr => as_exr(picture, recipe, samples, sink),
         }
     })
@@ -146,16 +143,46 @@ fn as_png(
     recipe: Option<&str>,
     sink: &mut dyn Sink,
 ) -> Result<(), png::EncodingError> {
-    let mut encoder = png::Encoder::new(sink, picture.width, picture.height);
+    let text = recipe.map(|recipe| (RECIPE, recipe));
+    codes_as_png([picture.width, picture.height], &tone.dithered(picture), text, sink)
+}
+
+fn codes_as_png(
+    [width, height]: [u32; 2],
+    codes: &[[u8; 3]],
+    text: Option<(&str, &str)>,
+    sink: &mut dyn Sink,
+) -> Result<(), png::EncodingError> {
+    let mut encoder = png::Encoder::new(sink, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.add_text_chunk("Software".to_owned(), SOFTWARE.to_owned())?;
-    if let Some(recipe) = recipe {
-        encoder.add_itxt_chunk(RECIPE.to_owned(), recipe.to_owned())?;
+    if let Some((keyword, text)) = text {
+        encoder.add_itxt_chunk(keyword.to_owned(), text.to_owned())?;
     }
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(tone.dithered(picture).as_flattened())?;
+    writer.write_image_data(codes.as_flattened())?;
     writer.finish()
+}
+
+/// Writes colours as they are to a `.png` file, with words about them as its `Description`, a text chunk
+/// that other programs show. The file is there as a whole or, after an error, as it was before.
+pub fn write_codes(path: &Path, codes: &Codes, description: &str) -> Result<(), SaveError> {
+    if Format::of(path)? != Format::Png {
+        return Err(SaveError::Format(path.to_path_buf()));
+    }
+    let Codes { width, height, pixels } = codes;
+    let text = Some(("Description", description));
+    replace_file(path, |sink| {
+        codes_as_png([*width, *height], pixels, text, sink).map_err(png_error)
+    })
+}
+
+fn png_error(error: png::EncodingError) -> io::Error {
+    match error {
+        png::EncodingError::IoError(e) => e,
+        other => io::Error::other(other),
+    }
 }
 
 fn as_exr(
@@ -192,7 +219,7 @@ fn as_exr(
     image.write().to_buffered(sink).map_err(exr_error)
 }
 
-fn part(
+pub(super) fn part(
     size: Vec2<usize>,
     name: &str,
     channels: SmallVec<[AnyChannel<FlatSamples>; 4]>,
@@ -201,7 +228,7 @@ fn part(
     Layer::new(size, attributes, Encoding::default(), AnyChannels::sort(channels))
 }
 
-fn describe(attributes: &mut LayerAttributes, recipe: Option<&str>) {
+pub(super) fn describe(attributes: &mut LayerAttributes, recipe: Option<&str>) {
     attributes.software_name = Some(software());
     if let Some(recipe) = recipe {
         attributes.other.insert(text(RECIPE), AttributeValue::Text(text(recipe)));

@@ -15,6 +15,7 @@ mod probe;
 mod recipe;
 mod replay;
 mod session;
+mod sheet;
 mod snapshot;
 mod stop;
 mod turn;
@@ -31,5 +32,6 @@ pub use recipe::{
 };
 pub use replay::{Replay, Sample};
 pub use session::{KeptPictures, Options, Session, render};
+pub use sheet::{Sheet, SheetError, SheetProgress, TracedCell, TracedSheet};
 pub use snapshot::{Counts, Snapshot, State, TILE, TileGrid, TileImage, TileRect};
 pub use stop::StopRule;

@@ -290,6 +290,11 @@ impl Recipe {
         }
     }
 
+    /// As it stands in files; [`Recipe::parse`] reads it.
+    pub fn text(&self) -> Result<String, serde_json::Error> {
+        serde_json::to_string_pretty(self)
+    }
+
     /// Writes a picture with its recipe, to a `.png` file toned by `tone` or to an `.exr` file.
     pub fn save(&self, path: &Path, picture: &Picture, tone: Tone) -> Result<(), SaveError> {
         self.save_with_samples(path, picture, &[], tone)
@@ -307,8 +312,9 @@ impl Recipe {
         let toned = ToneRecipe { exposure: tone.exposure, curve: tone.curve.name().to_owned() };
         let tone_used = (Format::of(path)? == Format::Png).then_some(toned);
         let recipe = Recipe { tone: tone_used, ..self.clone() };
-        let text = serde_json::to_string_pretty(&recipe)
-            .map_err(|e| SaveError::Write { path: path.to_path_buf(), source: e.into() })?;
+        let failed =
+            |e: serde_json::Error| SaveError::Write { path: path.to_path_buf(), source: e.into() };
+        let text = recipe.text().map_err(failed)?;
         let uneven = samples.iter().any(|n| *n != samples[0]);
         let samples = if uneven { samples } else { &[] };
         write_with_samples(path, picture, tone, &text, samples)

@@ -1,0 +1,118 @@
+//! Tracing a contact sheet, cell by cell.
+
+use super::Sheet;
+use crate::progressive::{Options, Params, ParamsError, Session, Snapshot, State, StopRule};
+use std::time::Duration;
+
+/// How long it may take until an end that is wished for is noticed.
+const TICK: Duration = Duration::from_millis(50);
+
+/// How far a sheet is.
+#[derive(Clone, Copy, Debug)]
+pub struct SheetProgress<'a> {
+    /// The cell that is traced, row by row from 0.
+    pub cell: usize,
+    /// Its newest picture, if there is a new one.
+    pub snapshot: Option<&'a Snapshot>,
+    /// Whether that is its last.
+    pub is_done: bool,
+}
+
+/// A cell with its picture.
+#[derive(Clone, Debug)]
+pub struct TracedCell {
+    /// The picture with its error, passes and seconds.
+    pub snapshot: Snapshot,
+    /// Whether its error is what was wished for. If not, it has all of the passes that it may have, or was
+    /// stopped.
+    pub reached: bool,
+    /// Whether it was stopped before either.
+    pub stopped: bool,
+}
+
+/// A sheet that was traced, or the part of it that was done when it was stopped.
+#[derive(Clone, Debug)]
+pub struct TracedSheet {
+    /// What was to be traced.
+    pub sheet: Sheet,
+    /// Its cells, row by row; nothing where a cell was not begun.
+    pub cells: Vec<Option<TracedCell>>,
+}
+
+impl TracedSheet {
+    /// Number of cells that were not stopped.
+    pub fn done(&self) -> usize {
+        self.cells.iter().flatten().filter(|cell| !cell.stopped).count()
+    }
+}
+
+impl Sheet {
+    /// Traces all cells, one after the other, by `threads` workers (0 for one a core). `watch` is called at
+    /// least every twentieth of a second and stops the sheet by returning false: the cell that is being
+    /// traced then is kept if every pixel has a sample, and those after it are not begun.
+    ///
+    /// Blocks until done. Each cell has the bits that a render of its parameters and passes has.
+    pub fn trace(
+        &self,
+        threads: usize,
+        mut watch: impl FnMut(SheetProgress) -> bool,
+    ) -> Result<TracedSheet, ParamsError> {
+        let mut cells = vec![None; self.len()];
+        for (cell, place) in cells.iter_mut().enumerate() {
+            let Some(params) = self.cell(cell) else { break };
+            let mut watch = |snapshot: Option<&Snapshot>, is_done| {
+                watch(SheetProgress { cell, snapshot, is_done })
+            };
+            let traced = self.trace_one(params, threads, &mut watch)?;
+            let stopped = traced.stopped;
+            if traced.snapshot.passes > 0 {
+                watch(Some(&traced.snapshot), true);
+                *place = Some(traced);
+            }
+            if stopped {
+                break;
+            }
+        }
+        Ok(TracedSheet { sheet: self.clone(), cells })
+    }
+
+    fn trace_one(
+        &self,
+        params: Params,
+        threads: usize,
+        watch: &mut dyn FnMut(Option<&Snapshot>, bool) -> bool,
+    ) -> Result<TracedCell, ParamsError> {
+        let (rule, most) = (self.rule(), self.most_passes.clamp(1, Session::MAX_PASSES));
+        let options = Options::headless(threads);
+        let session = Session::with_options(params, StopRule::FIRST.min(most), options, || {})?;
+        let mut stopped = false;
+        loop {
+            let snapshot = match session.snapshots().recv_timeout(TICK) {
+                Ok(Snapshot { state: State::Failed(reason), .. }) => {
+                    return Err(ParamsError::Threads { threads, reason });
+                }
+                Ok(snapshot) => Some(snapshot),
+                Err(e) if e.is_timeout() => None,
+                Err(_) => {
+                    let reason = "the workers stopped".to_owned();
+                    return Err(ParamsError::Threads { threads, reason });
+                }
+            };
+            if let Some(snapshot) = snapshot.as_ref().filter(|s| s.state != State::Running) {
+                let next = rule.next(snapshot.passes, snapshot.error.as_ref());
+                let further = next.filter(|_| !stopped && snapshot.passes < most);
+                let Some(passes) = further else {
+                    let snapshot = snapshot.clone();
+                    // What has ended by itself was not stopped.
+                    let stopped = stopped && snapshot.state == State::Paused;
+                    return Ok(TracedCell { snapshot, reached: next.is_none(), stopped });
+                };
+                session.set_limit(passes.min(most));
+            }
+            if !watch(snapshot.as_ref(), false) && !stopped {
+                stopped = true;
+                session.pause();
+            }
+        }
+    }
+}
