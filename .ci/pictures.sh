@@ -34,11 +34,18 @@ render 512 shell --no-reuse --model ggx --size 1600x1200 -o "$folder/{name}_{mod
 # Every roughness with every model.
 render 64 gallery --model all --size 640x360 -o "$folder/{name}_{model}.png"
 
+# Every model with every roughness, each to the same error. Its radiance is left out: 14 MB.
+sheet=$(mktemp -d)
+trap 'rm -rf "$sheet"' EXIT
+most=$((4096 / divide))
+"$burnish" sheet -o "$sheet/sheet.png" --max-passes $((most > 0 ? most : 1))
+cp "$sheet/sheet.png" "$folder/"
+
 # The window itself, and a sheet of what it shows while it is driven.
 if [ "${WINDOW:-yes}" = yes ]; then
     .ci/window-pictures.sh "$burnish" "$folder"
     tour=$(mktemp -d)
-    trap 'rm -rf "$tour"' EXIT
+    trap 'rm -rf "$sheet" "$tour"' EXIT
     .ci/window-tour.sh "$burnish" "$tour"
     montage -label "%t" "$tour"/*.png -tile 4x -geometry 400x225+4+4 -depth 8 \
         "png24:$folder/window_tour.png"

@@ -56,7 +56,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if pass < first {
         misused(format_args!("there is no pass {pass}: passes are counted from {first}"));
     }
-    let loaded = scene::load_for(Some(&args.scene), args.settings.common.isa, args.settings.common.up)?;
+    let loaded =
+        scene::load_for(Some(&args.scene), args.settings.common.isa, args.settings.common.up)?;
     let mut params = args.settings.params(&loaded.scene, args.model);
     params.uniform |= first > 0;
     params.check().map_err(Failure::new)?;

@@ -119,7 +119,8 @@ fn trace(sheet: &Sheet, threads: usize) -> Result<TracedSheet, Failure> {
             shown_now.show(snapshot);
             if is_done {
                 shown = None;
-                let (passes, error) = (progress::passes(snapshot.passes), progress::error(snapshot));
+                let (passes, error) =
+                    (progress::passes(snapshot.passes), progress::error(snapshot));
                 say(format_args!("  {passes} in {:.2} s{error}", snapshot.seconds));
             }
         }

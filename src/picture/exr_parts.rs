@@ -84,7 +84,10 @@ mod tests {
             let read = read_exr_part(&path, Some(&part.name)).unwrap();
             assert!(read.picture == *part.picture && read.choices == 3);
             let recipe = read_recipe_of(&path, Some(&part.name)).unwrap().unwrap();
-            assert_eq!((recipe.text, recipe.part.as_ref()), (part.recipe.clone(), Some(&part.name)));
+            assert_eq!(
+                (recipe.text, recipe.part.as_ref()),
+                (part.recipe.clone(), Some(&part.name))
+            );
         }
         assert!(read_exr(&path).unwrap() == pictures[0], "the first where one is asked for");
         // The same content makes the same file.

@@ -78,6 +78,7 @@ const BETWEEN: &str = "   ";
 /// Sizes of letters and of what is between, in pixels.
 struct Measures {
     body: f32,
+    remark: f32,
     heading: f32,
     title: f32,
     gap: u32,
@@ -90,6 +91,7 @@ impl Measures {
         let body = (BODY * times).round();
         Measures {
             body,
+            remark: (1.15 * body).round(),
             heading: (1.4 * body).round(),
             title: (2.1 * body).round(),
             gap: (1.25 * body).round() as u32,
@@ -141,7 +143,7 @@ impl Column<'_> {
 }
 
 /// Where everything goes: the same words and sizes always give the same places, and no two things
-/// overlap. Rows and columns that have no cells are left out.
+/// overlap.
 pub fn layout(sheet: &ContactSheet) -> Layout {
     let m = Measures::of(sheet.size);
     let columns = sheet.columns.len() as u32;
@@ -168,43 +170,51 @@ pub fn layout(sheet: &ContactSheet) -> Layout {
     head.y += m.gap / 4;
     for remark in &sheet.remarks {
         let words: Vec<&str> = remark.split_whitespace().collect();
-        for line in wrapped(Face::Words, 1.1 * m.body, &words, " ", room) {
-            let line = shortened(Face::Words, 1.1 * m.body, &line, room as f32);
-            head.write(line, Face::Words, 1.1 * m.body, WEAK);
+        for line in wrapped(Face::Words, m.remark, &words, " ", room) {
+            let line = shortened(Face::Words, m.remark, &line, room as f32);
+            head.write(line, Face::Words, m.remark, WEAK);
         }
     }
     let mut y = head.y + m.gap;
 
     let place = |column: u32| left + column * (column_width + m.gap);
-    let heading_lines = sheet.columns.iter().map(Vec::len).max().unwrap_or(0) as u32;
+    let mut heads_end = y;
     for (column, heading) in (0..).zip(&sheet.columns) {
         let mut below = Column { lines: &mut lines, x: place(column), y };
         for (i, text) in heading.iter().enumerate() {
-            let colour = if i == 0 { STRONG } else { WEAK };
-            below.write(text.clone(), Face::Words, m.heading, colour);
+            let (size, colour) = if i == 0 { (m.heading, STRONG) } else { (m.remark, WEAK) };
+            below.write(text.clone(), Face::Words, size, colour);
         }
+        heads_end = heads_end.max(below.y);
     }
-    y += heading_lines * line_height(m.heading) + m.gap / 2;
+    y = heads_end + m.gap / 2;
+
+    let label = |cell: &Cell| {
+        let pieces: Vec<&str> = cell.label.iter().map(String::as_str).collect();
+        wrapped(Face::Figures, m.body, &pieces, BETWEEN, column_width)
+    };
+    let labels: Vec<Vec<String>> = sheet.cells.iter().map(label).collect();
+    // Rows are equally far apart, however long the labels of one are.
+    let label_lines = labels.iter().map(Vec::len).max().unwrap_or(0) as u32;
+    let label_height = m.gap / 4 + label_lines * line_height(m.body);
+    let pitch = (cell_height + label_height).max(line_height(m.heading)) + m.gap;
 
     let mut cells = Vec::new();
-    let per_row = sheet.columns.len().max(1);
-    for (name, row) in sheet.rows.iter().zip(sheet.cells.chunks(per_row)) {
-        let mut beside = Column { lines: &mut lines, x: m.margin, y };
-        beside.write(name.clone(), Face::Words, m.heading, STRONG);
-        let mut end = y + cell_height.max(line_height(m.heading));
-        for (column, cell) in (0..columns).zip(row) {
-            let x = place(column);
-            cells.push(Place { x, y, width: cell_width, height: cell_height });
-            let mut below = Column { lines: &mut lines, x, y: y + cell_height + m.gap / 4 };
-            let pieces: Vec<&str> = cell.label.iter().map(String::as_str).collect();
-            let colour = if cell.warns { WARNING } else { WEAK };
-            for line in wrapped(Face::Figures, m.body, &pieces, BETWEEN, column_width) {
-                below.write(line, Face::Figures, m.body, colour);
-            }
-            end = end.max(below.y);
+    for (i, (cell, label)) in sheet.cells.iter().zip(labels).enumerate() {
+        let (row, column) = (i as u32 / columns.max(1), i as u32 % columns.max(1));
+        let (x, y) = (place(column), y + row * pitch);
+        if let Some(name) = sheet.rows.get(row as usize).filter(|_| column == 0) {
+            let mut beside = Column { lines: &mut lines, x: m.margin, y };
+            beside.write(name.clone(), Face::Words, m.heading, STRONG);
         }
-        y = end + m.gap;
+        cells.push(Place { x, y, width: cell_width, height: cell_height });
+        let mut below = Column { lines: &mut lines, x, y: y + cell_height + m.gap / 4 };
+        let colour = if cell.warns { WARNING } else { WEAK };
+        for line in label {
+            below.write(line, Face::Figures, m.body, colour);
+        }
     }
+    y += sheet.rows.len() as u32 * pitch;
     let height = (y + m.margin).saturating_sub(m.gap);
     Layout { size: [width, height], cells, lines }
 }
@@ -255,10 +265,7 @@ mod tests {
     }
 
     fn overlap(a: &Place, b: &Place) -> bool {
-        a.x < b.x + b.width
-            && b.x < a.x + a.width
-            && a.y < b.y + b.height
-            && b.y < a.y + a.height
+        a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height
     }
 
     #[test]
@@ -289,7 +296,9 @@ mod tests {
 
     #[test]
     fn columns_and_rows_are_equally_far_apart() {
-        let Layout { cells, .. } = layout(&sheet([320, 240], 3, 5));
+        let mut sheet = sheet([320, 240], 3, 5);
+        sheet.cells[7].label = vec!["much longer than all others".to_owned(); 4];
+        let Layout { cells, .. } = layout(&sheet);
         let across = cells[1].x - cells[0].x;
         assert!((0..5).all(|i| cells[i].x == cells[0].x + i as u32 * across) && across > 320);
         let down = cells[5].y - cells[0].y;

@@ -31,6 +31,7 @@ impl App {
             }
             Action::Save => self.save(ctx),
             Action::SaveScene => self.save_scene(ctx),
+            Action::Sheet => self.toggle_sheet(ctx),
             Action::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
             Action::Browse => self.browse(ctx),
             Action::Reload => self.reload(ctx),

@@ -9,6 +9,7 @@ use crate::viewer::jobs::load::{Failed, Loaded, Loading, Source};
 use crate::viewer::jobs::reference::ReadingPicture;
 use crate::viewer::jobs::resume::{Resumed, Resuming};
 use crate::viewer::jobs::save::Saving;
+use crate::viewer::jobs::sheet::MakingSheet;
 use crate::viewer::jobs::watch::Watch;
 use crate::viewer::keys::{self, Action};
 use crate::viewer::panels::compare::{Compare, Frozen};
@@ -25,6 +26,7 @@ use crate::viewer::panels::open::{self, Open};
 use crate::viewer::panels::pixel::PixelPanel;
 use crate::viewer::panels::proofs::Proofs;
 use crate::viewer::panels::report::ReportPanel;
+use crate::viewer::panels::sheet;
 use crate::viewer::panels::status::{Facts, Status};
 use crate::viewer::panels::tracing::TracingPanel;
 use crate::viewer::panels::view::View;
@@ -75,6 +77,7 @@ pub(super) struct App {
     /// A scene that could not be read and is not the one shown; it is once its files change.
     pub(super) missed: Option<Missed>,
     pub(super) saving: Option<Saving>,
+    pub(super) sheet: Option<MakingSheet>,
     /// A picture to compare with, being read.
     pub(super) reading: Option<ReadingPicture>,
     /// A picture from a file that is to go on, being read.
@@ -136,6 +139,7 @@ impl App {
             source: source.clone(),
             missed: None,
             saving: None,
+            sheet: None,
             reading: None,
             resuming: None,
             browsing: None,
@@ -186,6 +190,7 @@ impl App {
         }
         self.changed(ctx);
         self.browsed(ctx);
+        self.hear_of_sheet(ctx);
         if let Some(result) = self.saving.as_ref().and_then(Saving::poll) {
             self.saving = None;
             self.notice = Some(match result {
@@ -357,6 +362,8 @@ impl App {
                     widgets::turn_section(ui, section);
                 }
                 asked.extend(self.controls.ui(ui, document, &mut self.energy));
+                let making = self.sheet.as_ref().map(|sheet| [sheet.at, sheet.of]);
+                asked.extend(sheet::button(ui, making));
                 self.compare.ui(ui, document, &mut asked);
                 source = open::files(ui, &recent, &mut asked);
                 if let Some(caption) = document.params.scene.caption() {

@@ -14,6 +14,7 @@ pub(super) enum Action {
     Restart,
     Save,
     SaveScene,
+    Sheet,
     Open,
     Browse,
     Reload,
@@ -139,6 +140,17 @@ pub(super) const TABLE: &[Binding] = &[
         tip: "Writes the scene with its edited materials, camera and size as a new .scn file beside \
               the old one; a scene that comes with burnish goes into the working directory. No file \
               is overwritten.",
+    },
+    Binding {
+        action: Action::Sheet,
+        keys: &[shift(Key::S)],
+        name: "Contact sheet",
+        does: "Contact sheet of models and roughnesses",
+        tip: "Traces what is shown with every model and with roughness alpha 0.05, 0.1, 0.2, 0.4 and 0.8, \
+              each picture within 320 x 240 pixels to a relative error of at most 3 %, and writes all of \
+              them, labelled, as one PNG, and their radiance as OpenEXR, to where snapshots go. The \
+              picture waits meanwhile, unless it is changed. Again, or Escape, stops it: then nothing is \
+              written.",
     },
     Binding {
         action: Action::Open,

@@ -16,6 +16,7 @@ mod panels;
 mod picture;
 mod render;
 mod settings;
+mod sheet;
 mod smoke;
 mod style;
 mod window;

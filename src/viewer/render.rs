@@ -43,6 +43,8 @@ pub(super) struct Render {
     /// Passes at which the workers are to stop: for good, or until the error has been looked at.
     limit: u64,
     paused: bool,
+    /// Whether the cores are left to other work, until a change is to be seen.
+    gives_way: bool,
     /// What the pictures of the present parameters carry.
     pub(super) epoch: u64,
     changed: Instant,
@@ -104,6 +106,7 @@ impl Render {
             goal,
             limit,
             paused: false,
+            gives_way: false,
             epoch: 0,
             changed: Instant::now(),
             latency: None,
@@ -128,6 +131,7 @@ impl Render {
     pub(super) fn tell(&mut self, document: &Document) -> Result<(), ParamsError> {
         if document.params != self.told {
             self.await_first_pixels();
+            self.gives_way = false;
             self.epoch = self.session.set(document.params.clone())?;
             self.told = document.params.clone();
             self.refine_others();
@@ -135,7 +139,7 @@ impl Render {
         } else if document.goal != self.goal {
             self.aim(document.goal);
         }
-        let paused = document.paused || self.time_is_up();
+        let paused = document.paused || self.gives_way || self.time_is_up();
         if paused != self.paused {
             self.paused = paused;
             if self.paused { self.session.pause() } else { self.session.resume() }
@@ -149,6 +153,7 @@ impl Render {
             self.beside_epoch = self.session.set_beside(params.clone())?;
             self.newest_beside = None;
             self.beside = params;
+            self.gives_way = false;
             self.refine_others();
         }
         Ok(())
@@ -161,6 +166,12 @@ impl Render {
             self.session.set_keep(switching.keep << 20);
             self.refine_others();
         }
+    }
+
+    /// Leaves the cores to other work for now, or takes them back; a change is seen at once all the same.
+    pub(super) fn give_way(&mut self, gives_way: bool) {
+        self.gives_way = gives_way;
+        self.refine_others();
     }
 
     /// What is kept of other parameters.
@@ -186,7 +197,7 @@ impl Render {
 
     /// The other models may be wanted next.
     fn refine_others(&self) {
-        let others = Model::ALL.into_iter().filter(|_| self.switching.refine);
+        let others = Model::ALL.into_iter().filter(|_| self.switching.refine && !self.gives_way);
         let others = others.filter(|&model| model != self.told.model);
         self.session
             .set_background(others.map(|model| Params { model, ..self.told.clone() }).collect());
@@ -195,6 +206,7 @@ impl Render {
     /// Starts again from the first pass.
     pub(super) fn restart(&mut self) {
         self.await_first_pixels();
+        self.gives_way = false;
         self.epoch = self.session.restart();
         self.aim(self.goal);
     }

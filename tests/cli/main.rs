@@ -4,6 +4,7 @@ mod brdf;
 mod experiment;
 mod measure;
 mod outputs;
+mod sheet;
 
 use burnish::math::lanes::Isa;
 use image::GenericImageView;
@@ -75,6 +76,7 @@ fn every_help_has_an_example_that_names_its_subcommand() {
         (&["compare", "--help"], "burnish compare fast.exr"),
         (&["check", "--help"], "burnish check --model"),
         (&["completions", "--help"], "burnish completions fish"),
+        (&["sheet", "--help"], "burnish sheet -o sheet.png"),
     ] {
         let help = must(args);
         assert!(help.contains("Examples:") && help.contains(example), "{args:?}: {help}");

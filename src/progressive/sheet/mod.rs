@@ -57,8 +57,10 @@ pub enum SheetError {
     #[error("a contact sheet needs at least one model and one roughness")]
     Empty,
     /// It is wider or higher than pictures are.
-    #[error("the contact sheet would have {0}x{1} pixels, and pictures have at most {PICTURE_SIDE} a \
-             side: make its cells smaller, or fewer")]
+    #[error(
+        "the contact sheet would have {0}x{1} pixels, and pictures have at most {PICTURE_SIDE} a \
+             side: make its cells smaller, or fewer"
+    )]
     Size(u32, u32),
     /// There is no memory for it.
     #[error(transparent)]
@@ -151,7 +153,9 @@ impl Sheet {
         }
         let sheet = u64::from(across) * u64::from(down) * 4;
         let need = self.params.bytes().saturating_add(kept).saturating_add(sheet);
-        fits(need, || format!("a contact sheet of {} pictures of {width}x{height} pixels", self.len()))?;
+        fits(need, || {
+            format!("a contact sheet of {} pictures of {width}x{height} pixels", self.len())
+        })?;
         Ok(())
     }
 }

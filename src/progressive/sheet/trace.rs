@@ -116,3 +116,86 @@ impl Sheet {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brdf::{Model, Roughness};
+    use crate::progressive::render;
+    use crate::scene::builtin::default_scene;
+    use std::sync::Arc;
+
+    /// Two models by two roughnesses of the default scene, small.
+    fn sheet() -> Sheet {
+        let scene = Arc::new(default_scene().unwrap().0.build());
+        let mut sheet = Sheet::new(Params { size: [24, 18], seed: 3, ..Params::new(scene) });
+        sheet.models = vec![Model::Phong, Model::Ggx];
+        sheet.roughnesses =
+            [0.1, 0.5].into_iter().filter_map(|a| Roughness::from_alpha(a).ok()).collect();
+        sheet.error = 0.06;
+        sheet.most_passes = 512;
+        sheet
+    }
+
+    #[test]
+    fn every_cell_has_the_error_or_all_its_passes_and_the_bits_of_a_render() {
+        let sheet = sheet();
+        let mut seen = Vec::new();
+        let traced = sheet
+            .trace(2, |at| {
+                seen.push((at.cell, at.is_done));
+                true
+            })
+            .unwrap();
+        assert_eq!((traced.done(), traced.cells.len()), (4, 4));
+        assert_eq!(seen.iter().filter(|(_, done)| *done).count(), 4);
+        assert!(seen.is_sorted_by_key(|(cell, _)| *cell));
+        let mut reached = 0;
+        for (i, cell) in traced.cells.iter().enumerate() {
+            let cell = cell.as_ref().unwrap();
+            let (snapshot, passes) = (&cell.snapshot, cell.snapshot.passes);
+            let error = snapshot.error.unwrap().relative;
+            if cell.reached {
+                reached += 1;
+                assert!(error.value <= sheet.error && error.interval.high <= sheet.error);
+            } else {
+                assert_eq!(passes, sheet.most_passes);
+            }
+            // Traced alone, by another number of threads.
+            let alone = render(sheet.cell(i).unwrap(), passes, 1).unwrap();
+            assert!(alone.mean() == snapshot.mean(), "cell {i}");
+        }
+        assert!(reached > 0);
+    }
+
+    /// An error that is out of reach ends at the most passes, which may be fewer than the first look.
+    #[test]
+    fn no_cell_has_more_passes_than_it_may() {
+        for most in [5, 100] {
+            let mut sheet = sheet();
+            sheet.models.truncate(1);
+            sheet.roughnesses.truncate(1);
+            (sheet.error, sheet.most_passes) = (1e-6, most);
+            let traced = sheet.trace(2, |_| true).unwrap();
+            let cell = traced.cells[0].as_ref().unwrap();
+            assert_eq!((cell.snapshot.passes, cell.reached, cell.stopped), (most, false, false));
+        }
+    }
+
+    #[test]
+    fn a_stop_keeps_what_is_done_and_begins_nothing() {
+        let mut sheet = sheet();
+        sheet.error = 1e-6;
+        let mut last = 0;
+        let traced = sheet.trace(2, |at| {
+            last = at.cell;
+            at.cell == 0
+        });
+        let traced = traced.unwrap();
+        assert_eq!(last, 1);
+        assert!(traced.cells[0].as_ref().is_some_and(|cell| !cell.stopped));
+        assert!(traced.cells[2..].iter().all(Option::is_none));
+        assert!(traced.cells[1].as_ref().is_none_or(|cell| cell.stopped && !cell.reached));
+        assert_eq!(traced.done(), 1);
+    }
+}

@@ -33,11 +33,9 @@ impl Sheet {
         cells: &'a [Option<(Picture, &TracedCell)>],
     ) -> ContactSheet<'a> {
         let cell = |i: usize| match cells.get(i).and_then(Option::as_ref) {
-            Some((picture, cell)) => Cell {
-                picture: Some(picture),
-                label: self.label(cell),
-                warns: !cell.reached,
-            },
+            Some((picture, cell)) => {
+                Cell { picture: Some(picture), label: self.label(cell), warns: !cell.reached }
+            }
             None => Cell { picture: None, label: vec!["not traced".to_owned()], warns: true },
         };
         ContactSheet {
@@ -166,21 +164,35 @@ fn headings(roughness: Roughness) -> [String; 2] {
 
 /// Four significant digits, without zeros at their end.
 fn digits(x: f64) -> String {
-    let places = if x.abs() >= 1e-9 { (3.0 - x.abs().log10().floor()).clamp(0.0, 9.0) } else { 0.0 };
+    let places =
+        if x.abs() >= 1e-9 { (3.0 - x.abs().log10().floor()).clamp(0.0, 9.0) } else { 0.0 };
     let text = format!("{x:.*}", places as usize);
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
 }
 
 /// "2.4 %", "0.86 %", "12 %"
 fn percent(part: f64) -> String {
     let percent = 100.0 * part;
-    let places = if percent < 1.0 { 2 } else if percent < 10.0 { 1 } else { 0 };
+    // Two digits, after rounding too.
+    let places = match percent {
+        p if p < 0.995 => 2,
+        p if p < 9.95 => 1,
+        _ => 0,
+    };
     format!("{percent:.places$} %")
 }
 
 /// "0.52 s", "12.3 s", "123 s"
 fn duration(seconds: f64) -> String {
-    let places = if seconds < 10.0 { 2 } else if seconds < 100.0 { 1 } else { 0 };
+    let places = match seconds {
+        s if s < 9.995 => 2,
+        s if s < 99.95 => 1,
+        _ => 0,
+    };
     format!("{seconds:.places$} s")
 }
 
@@ -203,6 +215,7 @@ mod tests {
             assert_eq!(digits(x), text);
         }
         assert_eq!([0.03, 0.0086, 0.123].map(percent), ["3.0 %", "0.86 %", "12 %"]);
+        assert_eq!([0.00997, 0.0997].map(percent), ["1.0 %", "10 %"]);
         assert_eq!([0.523, 12.34, 123.4].map(duration), ["0.52 s", "12.3 s", "123 s"]);
     }
 

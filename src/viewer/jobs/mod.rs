@@ -6,4 +6,5 @@ pub(crate) mod load;
 pub(crate) mod reference;
 pub(crate) mod resume;
 pub(crate) mod save;
+pub(crate) mod sheet;
 pub(crate) mod watch;

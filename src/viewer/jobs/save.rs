@@ -175,7 +175,7 @@ fn free_name(folder: &Path, stem: &str) -> Option<PathBuf> {
 }
 
 /// The first number of which there is neither a PNG nor an EXR.
-fn free_names(folder: &Path, stem: &str) -> Option<[PathBuf; 2]> {
+pub(crate) fn free_names(folder: &Path, stem: &str) -> Option<[PathBuf; 2]> {
     (1..100_000)
         .map(|n| ["png", "exr"].map(|kind| folder.join(format!("{stem}_{n:04}.{kind}"))))
         .find(|names| names.iter().all(|name| !name.exists()))

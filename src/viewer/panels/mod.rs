@@ -15,6 +15,7 @@ pub(crate) mod open;
 pub(crate) mod pixel;
 pub(crate) mod proofs;
 pub(crate) mod report;
+pub(crate) mod sheet;
 pub(crate) mod status;
 pub(crate) mod tracing;
 pub(crate) mod view;

@@ -19,6 +19,7 @@ mod pixel;
 mod proofs;
 mod reload;
 mod settings;
+mod sheet;
 mod tracing;
 
 use crate::viewer::app::{App, Setup};

@@ -1,0 +1,71 @@
+//! Contact sheets: begun, stopped and told of.
+
+use crate::viewer::app::App;
+use crate::viewer::document::Shown;
+use crate::viewer::jobs::save::plain;
+use crate::viewer::jobs::sheet::{MakingSheet, News, SheetJob};
+use crate::viewer::panels::notice::Notice;
+use burnish::progressive::{Params, Sheet};
+use egui::{Context, Key, Modifiers};
+
+impl App {
+    /// Begins a sheet of what is shown, or stops the one in the making.
+    pub(super) fn toggle_sheet(&mut self, ctx: &Context) {
+        if let Some(making) = &self.sheet {
+            return making.stop();
+        }
+        let (Some(document), Some(render)) = (&self.document, &mut self.render) else { return };
+        if document.roughness() == Shown::None {
+            let why =
+                "No contact sheet: no specular lobe here (Ks = 0), and roughness has no effect";
+            self.notice = Some(Notice::news(why));
+            return;
+        }
+        let size = Sheet::fitted(document.params.size);
+        let mut sheet = Sheet::new(Params { size, ..document.params.clone() });
+        sheet.materials = document.picked.filter(|_| document.only_picked).into_iter().collect();
+        let job = SheetJob {
+            threads: self.threads,
+            tone: document.tone,
+            folder: self.folder.clone(),
+            stem: format!("{}_sheet", plain(sheet.params.scene.name())),
+            sheet,
+        };
+        let made = job.sheet.check().map_err(|e| e.to_string());
+        match made.and_then(|()| MakingSheet::start(ctx, job)) {
+            Ok(making) => {
+                self.sheet = Some(making);
+                render.give_way(true);
+            }
+            Err(why) => self.notice = Some(Notice::error(why)),
+        }
+    }
+
+    /// Takes in what is told of the sheet in the making; Escape stops it.
+    pub(super) fn hear_of_sheet(&mut self, ctx: &Context) {
+        let Some(making) = &mut self.sheet else { return };
+        let elsewhere = self.help.open || self.open.is_shown() || ctx.text_edit_focused();
+        if !elsewhere && ctx.input_mut(|i| i.consume_key(Modifiers::NONE, Key::Escape)) {
+            making.stop();
+        }
+        let of = making.of;
+        while let Some(news) = self.sheet.as_mut().and_then(MakingSheet::poll) {
+            let told = match news {
+                News::At(number, title) => {
+                    let error = self.notice.as_ref().is_some_and(|n| n.is_error);
+                    let words =
+                        format!("Contact sheet: {number} of {of}, {title}. Escape stops it");
+                    Some(Notice::news(words)).filter(|_| !error)
+                }
+                News::End(end) => {
+                    self.sheet = None;
+                    if let Some(render) = &mut self.render {
+                        render.give_way(false);
+                    }
+                    Some(end.map_or_else(Notice::error, Notice::news))
+                }
+            };
+            self.notice = told.or(self.notice.take());
+        }
+    }
+}
