@@ -97,6 +97,8 @@ impl App {
             self.help.open = false;
         } else if self.open.is_shown() {
             self.open.toggle();
+        } else if let Some(sheet) = self.sheet.as_ref().filter(|_| !self.has_error()) {
+            sheet.stop();
         } else if self.notice.is_some() {
             self.notice = None;
         } else if self.full_screen {

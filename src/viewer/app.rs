@@ -190,7 +190,7 @@ impl App {
         }
         self.changed(ctx);
         self.browsed(ctx);
-        self.hear_of_sheet(ctx);
+        self.hear_of_sheet();
         if let Some(result) = self.saving.as_ref().and_then(Saving::poll) {
             self.saving = None;
             self.notice = Some(match result {

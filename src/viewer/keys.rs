@@ -331,9 +331,9 @@ pub(super) const TABLE: &[Binding] = &[
         keys: &[plain(Key::Escape)],
         name: "Dismiss",
         does: "Dismiss what stands over the picture",
-        tip: "Closes the help or the line of the path, takes the message away, leaves the full screen, \
-              the picture alone or the comparison, lets go of the selected material: the first of \
-              these that there is.",
+        tip: "Closes the help or the line of the path, stops a contact sheet, takes the message away, \
+              leaves the full screen, the picture alone or the comparison, lets go of the selected \
+              material: the first of these that there is.",
     },
     Binding {
         action: Action::Quit,

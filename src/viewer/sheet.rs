@@ -6,7 +6,7 @@ use crate::viewer::jobs::save::plain;
 use crate::viewer::jobs::sheet::{MakingSheet, News, SheetJob};
 use crate::viewer::panels::notice::Notice;
 use burnish::progressive::{Params, Sheet};
-use egui::{Context, Key, Modifiers};
+use egui::Context;
 
 impl App {
     /// Begins a sheet of what is shown, or stops the one in the making.
@@ -41,14 +41,14 @@ impl App {
         }
     }
 
-    /// Takes in what is told of the sheet in the making; Escape stops it.
-    pub(super) fn hear_of_sheet(&mut self, ctx: &Context) {
-        let Some(making) = &mut self.sheet else { return };
-        let elsewhere = self.help.open || self.open.is_shown() || ctx.text_edit_focused();
-        if !elsewhere && ctx.input_mut(|i| i.consume_key(Modifiers::NONE, Key::Escape)) {
-            making.stop();
-        }
-        let of = making.of;
+    /// Whether an error is told.
+    pub(super) fn has_error(&self) -> bool {
+        self.notice.as_ref().is_some_and(|notice| notice.is_error)
+    }
+
+    /// Takes in what is told of the sheet in the making.
+    pub(super) fn hear_of_sheet(&mut self) {
+        let Some(of) = self.sheet.as_ref().map(|making| making.of) else { return };
         while let Some(news) = self.sheet.as_mut().and_then(MakingSheet::poll) {
             let told = match news {
                 News::At(number, title) => {

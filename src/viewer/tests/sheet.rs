@@ -20,7 +20,7 @@ fn large(desk: &mut Desk) {
     desk.harness.step();
 }
 
-fn until_told(desk: &mut Desk, word: &str) {
+fn until_says(desk: &mut Desk, word: &str) {
     desk.until(word, |app| app.notice.as_ref().is_some_and(|n| n.text.contains(word)));
     assert!(desk.app().sheet.is_none());
 }
@@ -37,7 +37,7 @@ fn one_button_makes_two_files_of_what_is_shown_with_its_edits() {
     desk.until("news of a picture", |app| {
         app.notice.as_ref().is_some_and(|n| n.text.contains("of 15"))
     });
-    until_told(&mut desk, "Wrote");
+    until_says(&mut desk, "Wrote");
     assert_eq!(desk.files(), ["two_sheet_0001.exr", "two_sheet_0001.png"]);
     let [exr, png] = written(&desk);
 
@@ -68,7 +68,7 @@ fn one_button_makes_two_files_of_what_is_shown_with_its_edits() {
     // No file is written over.
     desk.key(Key::Space);
     desk.chord(Modifiers::SHIFT, Key::S);
-    until_told(&mut desk, "two_sheet_0002.png");
+    until_says(&mut desk, "two_sheet_0002.png");
     assert_eq!(desk.files().len(), 4);
 }
 
@@ -84,7 +84,7 @@ fn a_second_press_or_escape_stops_it_and_nothing_is_written() {
         desk.until("its first picture", |app| app.sheet.as_ref().is_none_or(|s| s.at > 0));
         assert!(desk.app().sheet.is_some(), "{}", desk.notice());
         stop(&mut desk);
-        until_told(&mut desk, "stopped");
+        until_says(&mut desk, "stopped");
         assert_eq!(desk.files(), Vec::<String>::new());
     }
 }
@@ -105,7 +105,7 @@ fn the_picture_waits_unless_it_is_changed() {
     desk.until_told(epoch);
     assert_eq!(desk.app().render.as_ref().unwrap().told().model, Model::Phong);
     desk.key(Key::Escape);
-    until_told(&mut desk, "stopped");
+    until_says(&mut desk, "stopped");
     let passes = desk.newest().passes;
     desk.until("further passes", |app| {
         app.render.as_ref().unwrap().newest.as_ref().unwrap().passes > passes + 2
