@@ -58,62 +58,62 @@ impl Sheet {
         mut watch: impl FnMut(SheetProgress) -> bool,
     ) -> Result<TracedSheet, ParamsError> {
         let mut cells = vec![None; self.len()];
+        let mut stop = false;
         for (cell, place) in cells.iter_mut().enumerate() {
-            let Some(params) = self.cell(cell) else { break };
-            let mut watch = |snapshot: Option<&Snapshot>, is_done| {
-                watch(SheetProgress { cell, snapshot, is_done })
+            let Some(params) = self.cell(cell).filter(|_| !stop) else { break };
+            let mut tell = |snapshot: Option<&Snapshot>, is_done| {
+                stop |= !watch(SheetProgress { cell, snapshot, is_done });
+                stop
             };
-            let traced = self.trace_one(params, threads, &mut watch)?;
-            let stopped = traced.stopped;
+            let traced = self.trace_one(params, threads, &mut tell)?;
             if traced.snapshot.passes > 0 {
-                watch(Some(&traced.snapshot), true);
+                tell(Some(&traced.snapshot), true);
                 *place = Some(traced);
-            }
-            if stopped {
-                break;
             }
         }
         Ok(TracedSheet { sheet: self.clone(), cells })
     }
 
+    /// Traces a cell; `tell` returns whether the sheet is to stop.
     fn trace_one(
         &self,
         params: Params,
         threads: usize,
-        watch: &mut dyn FnMut(Option<&Snapshot>, bool) -> bool,
+        tell: &mut dyn FnMut(Option<&Snapshot>, bool) -> bool,
     ) -> Result<TracedCell, ParamsError> {
         let (rule, most) = (self.rule(), self.most_passes.clamp(1, Session::MAX_PASSES));
         let options = Options::headless(threads);
         let session = Session::with_options(params, StopRule::FIRST.min(most), options, || {})?;
-        let mut stopped = false;
+        let mut stops = false;
         loop {
-            let snapshot = match session.snapshots().recv_timeout(TICK) {
-                Ok(Snapshot { state: State::Failed(reason), .. }) => {
-                    return Err(ParamsError::Threads { threads, reason });
-                }
-                Ok(snapshot) => Some(snapshot),
-                Err(e) if e.is_timeout() => None,
-                Err(_) => {
-                    let reason = "the workers stopped".to_owned();
-                    return Err(ParamsError::Threads { threads, reason });
-                }
-            };
+            let snapshot = next(&session, threads)?;
             if let Some(snapshot) = snapshot.as_ref().filter(|s| s.state != State::Running) {
-                let next = rule.next(snapshot.passes, snapshot.error.as_ref());
-                let further = next.filter(|_| !stopped && snapshot.passes < most);
-                let Some(passes) = further else {
-                    let snapshot = snapshot.clone();
-                    // What has ended by itself was not stopped.
-                    let stopped = stopped && snapshot.state == State::Paused;
-                    return Ok(TracedCell { snapshot, reached: next.is_none(), stopped });
-                };
-                session.set_limit(passes.min(most));
+                let further = rule.next(snapshot.passes, snapshot.error.as_ref());
+                let reached = further.is_none();
+                match further.filter(|_| snapshot.passes < most) {
+                    Some(passes) if !stops => session.set_limit(passes.min(most)),
+                    left => {
+                        let stopped = left.is_some();
+                        return Ok(TracedCell { snapshot: snapshot.clone(), reached, stopped });
+                    }
+                }
             }
-            if !watch(snapshot.as_ref(), false) && !stopped {
-                stopped = true;
+            if tell(snapshot.as_ref(), false) && !stops {
+                stops = true;
                 session.pause();
             }
         }
+    }
+}
+
+/// The next snapshot, if one comes in time.
+fn next(session: &Session, threads: usize) -> Result<Option<Snapshot>, ParamsError> {
+    let failed = |reason| Err(ParamsError::Threads { threads, reason });
+    match session.snapshots().recv_timeout(TICK) {
+        Ok(Snapshot { state: State::Failed(reason), .. }) => failed(reason),
+        Ok(snapshot) => Ok(Some(snapshot)),
+        Err(e) if e.is_timeout() => Ok(None),
+        Err(_) => failed("the workers stopped".to_owned()),
     }
 }
 

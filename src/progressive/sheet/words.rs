@@ -59,7 +59,7 @@ impl Sheet {
         let mut remarks = vec![format!(
             "Roughness of {whose}. Each picture to a relative error of at most {} (upper 95 % limit), \
              with the same random numbers.",
-            percent(self.error)
+            self.wanted()
         )];
         if let Some(erratum) = self.params.erratum {
             remarks.push(format!("Wrong on purpose: {erratum}"));
@@ -67,11 +67,16 @@ impl Sheet {
         remarks
     }
 
+    /// The error that was wished for, as it was.
+    fn wanted(&self) -> String {
+        format!("{} %", digits(100.0 * self.error))
+    }
+
     fn label(&self, cell: &TracedCell) -> Vec<String> {
         let Snapshot { passes, seconds, error, .. } = &cell.snapshot;
         let plural = if *passes == 1 { "pass" } else { "passes" };
         let passes = format!("{passes} {plural}");
-        let wanted = percent(self.error);
+        let wanted = self.wanted();
         let error = match error.map(|e| percent(e.relative.value)) {
             Some(error) if cell.reached => format!("error {error}"),
             Some(error) => format!("error {error}, not {wanted}"),
