@@ -167,6 +167,14 @@ until_so "saved again" test -s tour-edited.scn
 cmp -s tour.scn tour-edited.scn || fail "undo left an edit: $(diff tour.scn tour-edited.scn)"
 shot undone-again
 
+# A contact sheet is begun, and stopped: then it leaves no file.
+key shift+s
+shot sheet-begun
+key Escape
+sleep 0.5
+[ -z "$(find . -name '*sheet*')" ] || fail "a stopped sheet was written"
+shot sheet-stopped
+
 # The file is written anew by somebody else.
 sed 's/^sphere 2 -4 4.*/sphere 2 -4 4 0.9/' tour.scn >new && mv new tour.scn
 until_so "read again" snapshot_says "$(sha256sum tour.scn | cut -c1-64)"

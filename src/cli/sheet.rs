@@ -191,6 +191,7 @@ impl Args {
         Ok(Sheet {
             models: self.models.0.clone(),
             roughnesses: self.exponent.as_ref().unwrap_or(&self.alpha).0.clone(),
+            by_exponent: self.exponent.is_some(),
             materials,
             error: self.error,
             most_passes: self.max_passes,

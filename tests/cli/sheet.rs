@@ -99,7 +99,7 @@ fn what_cannot_be_done_is_told_and_writes_nothing() {
     let before = fs::read_dir(folder.path()).unwrap().count();
     let [scene, png] = ["ball.scn", "sheet.png"].map(|name| at(&folder, name));
     for (args, expected, named) in [
-        (&["-o", "sheet.jpg"][..], 2, ".exr"),
+        (&["--exposure", "31"][..], 2, "-30 to 30"),
         (&["--alpha", "0.1,2"], 2, "0.0001 to 1"),
         (&["--alpha", "0.1", "--exponent", "9"], 2, "cannot be used with"),
         (&["--model", "lambert"], 2, "phong, beckmann, ggx"),
@@ -115,6 +115,8 @@ fn what_cannot_be_done_is_told_and_writes_nothing() {
         assert!(err(&output).contains(named), "{args:?}: {}", err(&output));
     }
     assert_eq!(code(&run(&["sheet", &scene])), 2, "without a name for it");
+    let output = run(&["sheet", &scene, "-o", "sheet.jpg"]);
+    assert!(code(&output) == 2 && err(&output).contains(".exr"), "{}", err(&output));
     let missing = at(&folder, "missing/sheet.png");
     let output = run(&["sheet", &scene, "-o", &missing]);
     assert!(code(&output) == 1 && err(&output).contains("missing"), "{}", err(&output));

@@ -42,6 +42,8 @@ pub struct Sheet {
     pub models: Vec<Model>,
     /// The columns, from the left.
     pub roughnesses: Vec<Roughness>,
+    /// Whether the columns are called by their Phong exponents rather than by their alphas.
+    pub by_exponent: bool,
     /// The materials that have a column's roughness; all of them where none is named.
     pub materials: Vec<MaterialId>,
     /// Relative error that a cell's upper 95 % limit is to reach, as a part of one; see [`StopRule`].
@@ -87,6 +89,7 @@ impl Sheet {
             params,
             models: Model::ALL.to_vec(),
             roughnesses: Self::ALPHAS.into_iter().filter_map(roughness).collect(),
+            by_exponent: false,
             materials: Vec::new(),
             error: Self::ERROR,
             most_passes: Self::MOST_PASSES,
@@ -194,6 +197,20 @@ mod tests {
         let found: Vec<f64> = alphas(&sheet, 0);
         assert_eq!(found, [Roughness::from_exponent(30.0).unwrap().alpha(), 0.05]);
         assert!(sheet.cell(15).is_none() && sheet.of(15).is_none());
+    }
+
+    #[test]
+    fn cells_are_called_by_the_number_that_was_given() {
+        let mut sheet = sheet();
+        // Of both numbers here one is as round as the other.
+        sheet.roughnesses = vec![Roughness::from_alpha(0.5).unwrap()];
+        assert_eq!(
+            (sheet.name(2), sheet.title(0)),
+            ("ggx_alpha_0p5".into(), "Phong, alpha 0.5".into())
+        );
+        sheet.by_exponent = true;
+        assert_eq!((sheet.name(1), sheet.title(2)), ("beckmann_ap_6".into(), "GGX, a_p 6".into()));
+        assert_eq!((sheet.name(3), sheet.title(3)), (String::new(), String::new()));
     }
 
     #[test]

@@ -13,9 +13,9 @@ impl Sheet {
     /// in such a name than letters, digits and underscores.
     pub fn name(&self, cell: usize) -> String {
         let Some((model, roughness)) = self.of(cell) else { return String::new() };
-        let number = match by_alpha(roughness) {
-            true => format!("alpha_{}", roughness.alpha()),
-            false => format!("ap_{}", roughness.exponent()),
+        let number = match self.by_exponent {
+            false => format!("alpha_{}", roughness.alpha()),
+            true => format!("ap_{}", roughness.exponent()),
         };
         format!("{}_{}", model.name(), number.replace('.', "p"))
     }
@@ -23,7 +23,7 @@ impl Sheet {
     /// A cell as a person calls it: "GGX, alpha 0.1".
     pub fn title(&self, cell: usize) -> String {
         let Some((model, roughness)) = self.of(cell) else { return String::new() };
-        let [first, _] = headings(roughness);
+        let [first, _] = self.headings(roughness);
         format!("{}, {first}", model.title())
     }
 
@@ -42,10 +42,17 @@ impl Sheet {
             title: self.params.scene.name().to_owned(),
             remarks: self.remarks(),
             rows: self.models.iter().map(|model| model.title().to_owned()).collect(),
-            columns: self.roughnesses.iter().map(|&r| headings(r).to_vec()).collect(),
+            columns: self.roughnesses.iter().map(|&r| self.headings(r).to_vec()).collect(),
             size: self.params.size,
             cells: (0..self.len()).map(cell).collect(),
         }
+    }
+
+    /// The number first by which the columns are called.
+    fn headings(&self, roughness: Roughness) -> [String; 2] {
+        let alpha = format!("alpha {}", digits(roughness.alpha()));
+        let exponent = format!("a_p {}", digits(roughness.exponent()));
+        if self.by_exponent { [exponent, alpha] } else { [alpha, exponent] }
     }
 
     fn remarks(&self) -> Vec<String> {
@@ -155,18 +162,6 @@ fn described(sheet: &ContactSheet) -> String {
     lines.join("\n")
 }
 
-/// Whether the alpha is the round one of the two numbers.
-fn by_alpha(roughness: Roughness) -> bool {
-    Roughness::from_alpha(roughness.alpha()) == Ok(roughness)
-}
-
-/// The number that was given first.
-fn headings(roughness: Roughness) -> [String; 2] {
-    let alpha = format!("alpha {}", digits(roughness.alpha()));
-    let exponent = format!("a_p {}", digits(roughness.exponent()));
-    if by_alpha(roughness) { [alpha, exponent] } else { [exponent, alpha] }
-}
-
 /// Four significant digits, without zeros at their end.
 fn digits(x: f64) -> String {
     let places =
@@ -222,13 +217,5 @@ mod tests {
         assert_eq!([0.03, 0.0086, 0.123].map(percent), ["3.0 %", "0.86 %", "12 %"]);
         assert_eq!([0.00997, 0.0997].map(percent), ["1.0 %", "10 %"]);
         assert_eq!([0.523, 12.34, 123.4].map(duration), ["0.52 s", "12.3 s", "123 s"]);
-    }
-
-    #[test]
-    fn a_roughness_is_called_by_the_number_that_was_given() {
-        let alpha = Roughness::from_alpha(0.1).unwrap();
-        assert_eq!(headings(alpha), ["alpha 0.1", "a_p 198"]);
-        let exponent = Roughness::from_exponent(98.0).unwrap();
-        assert_eq!(headings(exponent)[0], "a_p 98");
     }
 }
