@@ -36,7 +36,7 @@ impl Sheet {
             Some((picture, cell)) => {
                 Cell { picture: Some(picture), label: self.label(cell), warns: !cell.reached }
             }
-            None => Cell { picture: None, label: vec!["not traced".to_owned()], warns: true },
+            None => Cell { picture: None, label: vec!["not traced".to_owned()], warns: false },
         };
         ContactSheet {
             title: self.params.scene.name().to_owned(),
