@@ -169,7 +169,6 @@ shot undone-again
 
 # A contact sheet is begun, and stopped: then it leaves no file.
 key shift+s
-shot sheet-begun
 key Escape
 sleep 0.5
 [ -z "$(find . -name '*sheet*')" ] || fail "a stopped sheet was written"
