@@ -38,7 +38,7 @@ render 64 gallery --model all --size 640x360 -o "$folder/{name}_{model}.png"
 sheet=$(mktemp -d)
 trap 'rm -rf "$sheet"' EXIT
 most=$((4096 / divide))
-"$burnish" sheet -o "$sheet/sheet.png" --size 208x156 --alpha 0.1,0.2,0.3,0.5,0.8 --error 5% \
+"$burnish" sheet -o "$sheet/sheet.png" --size 208x156 --error 5% \
     --max-passes $((most > 0 ? most : 1))
 cp "$sheet/sheet.png" "$folder/"
 
