@@ -1,9 +1,12 @@
 #!/bin/sh
 # Drives the real window on a virtual display, as a person would: opens a scene, switches the models,
-# changes the roughness, picks a material, saves, undoes, closes and comes back. What each step did is
+# compares them, changes the roughness, asks a pixel, opens the lobes, makes a contact sheet, picks a
+# material, saves, undoes, closes and comes back. What each step did is
 # read from the files that the window writes; a screenshot of each is kept.
 #
 #   .ci/window-tour.sh [BURNISH [FOLDER]]
+#
+# SIZE=900x600 and THEME=light are another size and other colours.
 #
 # Needs xvfb, xdotool, imagemagick and a software OpenGL.
 set -eu
@@ -14,10 +17,11 @@ if [ "${1:-}" != --inside ]; then
     mkdir -p "$shots"
     shots=$(realpath "$shots")
     # A server that resets when its last window closes turns away whoever comes in that moment.
-    exec xvfb-run -a -s "-screen 0 1280x720x24 -noreset" "$0" --inside "$burnish" "$shots"
+    exec xvfb-run -a -s "-screen 0 ${SIZE:-1280x720}x24 -noreset" "$0" --inside "$burnish" "$shots"
 fi
 burnish=$2
 shots=$3
+size=${SIZE:-1280x720}
 desk=$(mktemp -d)
 pid=
 trap '[ -z "$pid" ] || kill "$pid" 2>/dev/null || :; rm -rf "$desk"' EXIT
@@ -110,7 +114,7 @@ light 20 20 20
 sphere 2 -4 4 0.7
 SCENE
 
-begin --size 1280x720 --dark
+begin --size "$size" "--${THEME:-dark}"
 focus "Brass knot"
 shot start
 
@@ -126,6 +130,22 @@ for model in 1:phong 2:beckmann 3:ggx; do
     until_so "${model##*:}" snapshot_says "--model ${model##*:}"
     shot "model-${model##*:}"
 done
+
+# The red ball is left of the middle of the picture, whose room the panel and the margins leave.
+left=$((16 + (${size%%x*} - 335) * 31 / 100))
+middle=$((16 + (${size##*x} - 60) / 2))
+key c
+sleep 3
+shot compared
+key c
+xdotool mousemove --window "$window" "$left" "$middle" click 1
+key p
+sleep 3
+shot pixel
+key p l
+sleep 2
+shot lobes
+key l Escape Escape
 
 # Where the noise is, where the samples went, and how the error fell; snapshots are of the picture.
 key m
@@ -147,7 +167,7 @@ grep -q "edited" said && fail "undo left the roughness: $(cat said)"
 shot undone
 
 # The red ball is left of the middle of the picture.
-xdotool mousemove --window "$window" 350 340 click 1
+xdotool mousemove --window "$window" "$left" "$middle" click 1
 sleep 0.5
 shot picked
 key bracketleft bracketleft bracketleft bracketleft
@@ -185,6 +205,17 @@ shot no-dialog
 key Escape
 key e e
 shot brighter
+
+# A contact sheet is made, which takes a while.
+key shift+s
+tries=0
+until [ -n "$(find . -name '*sheet*.exr')" ]; do
+    tries=$((tries + 1))
+    [ "$tries" -lt 600 ] || fail "no contact sheet after ten minutes"
+    sleep 1
+done
+shot sheet-made
+cp ./*sheet*.png "$shots/$(printf %02d "$((step + 1))")-the-sheet.png"
 end
 grep -q "tour.scn" config/burnish/window.json || fail "the scene is not remembered"
 grep -q '"follow": true' config/burnish/window.json || fail "that the picture follows is not remembered"
@@ -197,8 +228,8 @@ mv new config/burnish/window.json
 begin
 focus "Brass knot"
 eval "$(xdotool getwindowgeometry --shell "$window")"
-[ "$X" -lt 1280 ] && [ "$Y" -lt 720 ] || fail "the window is out of sight, at $X, $Y"
-[ "${WIDTH}x$HEIGHT" = 1280x720 ] || fail "the window is ${WIDTH}x$HEIGHT, not as it was"
+[ "$X" -lt "${size%%x*}" ] && [ "$Y" -lt "${size##*x}" ] || fail "the window is out of sight, at $X, $Y"
+[ "${WIDTH}x$HEIGHT" = "$size" ] || fail "the window is ${WIDTH}x$HEIGHT, not as it was"
 until_so "as bright as on the first day" snapshot_says "--exposure 0 "
 shot again
 end

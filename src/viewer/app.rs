@@ -42,7 +42,7 @@ use burnish::progressive::{ExperimentError, Snapshot, State};
 use burnish::scene::Axis;
 use egui::{
     Align2, Area, CentralPanel, Context, Frame, Id, Label, Margin, Order, Panel, RichText,
-    ScrollArea, Ui, ViewportCommand, vec2,
+    ScrollArea, Ui, UiBuilder, ViewportCommand, vec2,
 };
 use std::path::PathBuf;
 
@@ -252,11 +252,17 @@ impl App {
             let frame = bar(ui);
             Panel::bottom("status").exact_size(28.0).frame(frame).show(ui, |ui| self.status(ui));
             let side = Frame::new().fill(ui.visuals().panel_fill);
-            Panel::right("controls")
-                .exact_size(theme::PANEL)
-                .resizable(false)
-                .frame(side)
-                .show(ui, |ui| actions.extend(self.side(ui)));
+            Panel::right("controls").exact_size(theme::PANEL).resizable(false).frame(side).show(
+                ui,
+                |ui| {
+                    // As wide as it is, whatever is in it: what is a rounding too wide would move its left edge,
+                    // and a picture that follows the window would begin anew.
+                    let place = ui.available_rect_before_wrap();
+                    let mut inside = ui.new_child(UiBuilder::new().max_rect(place));
+                    actions.extend(self.side(&mut inside));
+                    ui.advance_cursor_after_rect(place);
+                },
+            );
         }
         if self.open.is_shown() {
             let source = Panel::top("open")
@@ -353,7 +359,8 @@ impl App {
         let recent = self.settings.recent.clone();
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             Frame::new().inner_margin(Margin::same(16)).show(ui, |ui| {
-                ui.set_max_width(theme::PANEL - 32.0);
+                // A line beside the panel takes some of its width.
+                ui.set_max_width(ui.available_width());
                 let Some(document) = &mut self.document else {
                     source = open::files(ui, &recent, &mut asked);
                     return;

@@ -110,7 +110,7 @@ impl TracingPanel {
 }
 
 /// Width of a field of few digits, in points.
-const NUMBER: f32 = 52.0;
+const NUMBER: f32 = 50.0;
 
 fn number(
     ui: &mut Ui,
