@@ -397,6 +397,7 @@ impl Compare {
                     speed: 0.01 * self.alpha,
                     written: Written::Digits(4),
                     unit: "",
+                    prefix: "",
                     size: egui::vec2(80.0, ui.spacing().interact_size.y),
                 };
                 field

@@ -113,6 +113,7 @@ fn slider(ui: &mut Ui, label: &Response, value: Roughness) -> Option<Roughness> 
             speed: 0.01 * value.alpha(),
             written: Written::Digits(4),
             unit: "",
+            prefix: "",
             size,
         };
         if field.ui(ui, &mut alpha).labelled_by(label).on_hover_text(tip).changed() {
@@ -128,6 +129,7 @@ fn slider(ui: &mut Ui, label: &Response, value: Roughness) -> Option<Roughness> 
             speed: 0.01 * (value.exponent() + 2.0),
             written: Written::Digits(4),
             unit: "",
+            prefix: "",
             size,
         };
         if field.ui(ui, &mut exponent).labelled_by(label).on_hover_text(tip).changed() {
@@ -174,6 +176,7 @@ fn stop_at(ui: &mut Ui, document: &mut Document) {
         speed: 1.0,
         written: Written::Whole,
         unit: "",
+        prefix: "",
         size: egui::Vec2::ZERO,
     };
     widgets::field(ui, &control, |ui, label| {

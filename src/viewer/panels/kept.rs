@@ -38,6 +38,7 @@ fn number(ui: &mut Ui, control: &Control, value: &mut u64, most: u64, speed: f64
             speed,
             written: Written::Whole,
             unit,
+            prefix: "",
             size,
         };
         field.whole(ui, value).labelled_by(label).on_hover_text(control.tip);

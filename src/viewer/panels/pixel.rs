@@ -119,12 +119,19 @@ impl PixelPanel {
             let size = vec2((ui.available_width() - 4.0) / 2.0, theme::ROW);
             let fields = [(&labels::COLUMN, width), (&labels::ROW, height)];
             for ((control, side), value) in fields.into_iter().zip(&mut asked) {
-                let field = egui::DragValue::new(value)
-                    .range(0..=side.saturating_sub(1))
-                    .clamp_existing_to_range(false)
-                    .speed(0.2)
-                    .prefix(format!("{} ", control.name.to_lowercase()));
-                let field = ui.add_sized(size, field).accessible_name(control.name);
+                let most = u64::from(side.saturating_sub(1));
+                let field = NumberField {
+                    name: control.name,
+                    range: [0.0, most as f64],
+                    speed: 0.2,
+                    written: Written::Whole,
+                    prefix: &format!("{} ", control.name.to_lowercase()),
+                    unit: "",
+                    size,
+                };
+                let mut wide = u64::from(*value);
+                let field = field.whole(ui, &mut wide).accessible_name(control.name);
+                *value = u32::try_from(wide).unwrap_or(u32::MAX);
                 field.on_hover_text(control.tip);
             }
         });
@@ -139,6 +146,7 @@ impl PixelPanel {
                 speed: 16.0,
                 written: Written::Whole,
                 unit: "",
+                prefix: "",
                 size,
             };
             field

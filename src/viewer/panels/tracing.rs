@@ -3,7 +3,7 @@
 use crate::viewer::document::Document;
 use crate::viewer::keys::{self, Action};
 use crate::viewer::style::labels::{self, Control};
-use crate::viewer::style::number_field::{NumberField, Written};
+use crate::viewer::style::number_field::{self, NumberField, Written};
 use crate::viewer::style::numbers::percent;
 use crate::viewer::style::theme;
 use crate::viewer::style::widgets::{self, Weight};
@@ -125,6 +125,7 @@ fn number(
         speed,
         written: Written::Whole,
         unit: "",
+        prefix: "",
         size: egui::vec2(NUMBER, ui.spacing().interact_size.y),
     };
     let mut wide = u64::from(*value);
@@ -221,7 +222,13 @@ fn whole_number(ui: &mut Ui, label: Id, value: u64, width: f32) -> Option<u64> {
     }
     ui.data_mut(|d| d.remove::<String>(id));
     let meant = field.lost_focus() && !ui.input(|i| i.key_pressed(Key::Escape));
-    text.trim().parse().ok().filter(|_| meant)
+    let number = text.trim().parse();
+    if meant && number.is_err() {
+        let text = text.trim();
+        let told = format!("Seed: \"{text}\" is no whole number from 0 to {}; it stays", u64::MAX);
+        number_field::tell(ui.ctx(), told);
+    }
+    number.ok().filter(|_| meant)
 }
 
 /// Returns another number once it stands still: each one starts the workers anew.

@@ -96,6 +96,7 @@ fn colour(ui: &mut Ui, control: &Control, most: f64, value: &mut [f32; 3]) {
                 speed,
                 written: Written::Digits(3),
                 unit: "",
+                prefix: "",
                 size,
             };
             let field = field.ui(ui, &mut wide).accessible_name(&name);
@@ -119,6 +120,7 @@ fn exponent(ui: &mut Ui, material: &mut Material) {
             speed: 0.01 * (a_p + 2.0),
             written: Written::Digits(4),
             unit: "",
+            prefix: "",
             size: egui::vec2(ui.available_width() - FIGURE, ui.spacing().interact_size.y),
         };
         // Always there, so that the field that has the keyboard is the same one before and after Ks is 0.

@@ -22,6 +22,8 @@ pub(crate) struct NumberField<'a> {
     /// What a drag by one point adds.
     pub(crate) speed: f64,
     pub(crate) written: Written,
+    /// Before the number, with its space.
+    pub(crate) prefix: &'a str,
     /// Behind the number, with its space.
     pub(crate) unit: &'a str,
     /// In points.
@@ -37,7 +39,7 @@ enum Wrong {
 impl NumberField<'_> {
     /// Draws it. The value changes once the field is left or dragged, never beyond the range.
     pub(crate) fn ui(self, ui: &mut Ui, value: &mut f64) -> Response {
-        let NumberField { range: [low, high], written, unit, .. } = self;
+        let NumberField { range: [low, high], written, prefix, unit, .. } = self;
         let write = move |x: f64| match written {
             Written::Digits(n) => digits(x, n),
             Written::Whole => format!("{x:.0}"),
@@ -70,7 +72,9 @@ impl NumberField<'_> {
         };
         let field = DragValue::new(value)
             .range(low..=high)
+            .clamp_existing_to_range(false)
             .speed(self.speed)
+            .prefix(prefix)
             .suffix(unit)
             .update_while_editing(false)
             .max_decimals(if let Written::Whole = written { 0 } else { 12 })
@@ -101,7 +105,7 @@ impl NumberField<'_> {
                     plain(end)
                 ),
             };
-            ui.ctx().data_mut(|d| d.insert_temp(told_id(), told));
+            tell(ui.ctx(), told);
         }
         response
     }
@@ -125,6 +129,11 @@ fn plain(x: f64) -> String {
 
 fn told_id() -> Id {
     Id::unique("what was wrong with a number")
+}
+
+/// Takes note of what was wrong with a number, to be told.
+pub(crate) fn tell(ctx: &Context, told: String) {
+    ctx.data_mut(|d| d.insert_temp(told_id(), told));
 }
 
 /// What was wrong with the number typed last, once.

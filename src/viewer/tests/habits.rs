@@ -125,6 +125,12 @@ fn what_is_typed_in_vain_is_told() {
     desk.type_into("Pass limit", "0");
     assert!(desk.notice().starts_with("Pass limit: 0 is out of range"), "{}", desk.notice());
     assert_eq!(desk.doc().goal.passes, 1);
+    desk.click_pixel(RIGHT_BALL);
+    desk.key(Key::P);
+    settled(&mut desk);
+    desk.type_into("Column", "64");
+    assert!(desk.notice().starts_with("Column: 64 is out of range, which is 0 to 63"));
+    assert_eq!(desk.doc().asked, Some([63, 24]));
 }
 
 #[test]
