@@ -12,6 +12,7 @@ mod document;
 mod effort;
 mod jobs;
 mod keys;
+mod opening;
 mod panels;
 mod picture;
 mod render;

@@ -3,6 +3,7 @@
 pub(crate) mod background;
 pub(crate) mod browse;
 pub(crate) mod load;
+pub(crate) mod reading;
 pub(crate) mod reference;
 pub(crate) mod resume;
 pub(crate) mod save;

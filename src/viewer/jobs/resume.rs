@@ -2,6 +2,7 @@
 //! are those of the recipe in the file.
 
 use crate::viewer::jobs::load::{self, Loaded, Source};
+use crate::viewer::jobs::reading::Reading;
 use burnish::picture::read_recipe;
 use burnish::plain;
 use burnish::progressive::{Experiment, ExperimentError, Params, Recipe};
@@ -9,7 +10,6 @@ use burnish::scene::Axis;
 use burnish::scene::builtin::Example;
 use egui::Context;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 /// A picture ready to go on.
 pub(crate) struct Resumed {
@@ -21,56 +21,24 @@ pub(crate) struct Resumed {
 }
 
 /// One on its way.
-pub(crate) struct Resuming {
-    path: PathBuf,
-    result: Receiver<Result<Resumed, String>>,
+pub(crate) type Resuming = Reading<Resumed>;
+
+/// Whether a file of this name is gone on with as soon as it is opened: it has a recipe, but is no
+/// picture to compare with.
+pub(crate) fn is_for(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
 }
 
-impl Resuming {
-    /// Whether a file of this name is gone on with as soon as it is opened: it has a recipe, but is no
-    /// picture to compare with.
-    pub(crate) fn is_for(path: &Path) -> bool {
-        path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
-    }
-
-    /// Starts to read; a scene of the same name among those `known` is taken for its own, if there is no nearer
-    /// one. Repaints once the result is there.
-    pub(crate) fn start(
-        ctx: &Context,
-        path: PathBuf,
-        known: Vec<PathBuf>,
-    ) -> Result<Resuming, String> {
-        let (send, result) = channel();
-        let (ctx, wanted) = (ctx.clone(), path.clone());
-        std::thread::Builder::new()
-            .name("resume".to_owned())
-            .spawn(move || {
-                // Nobody listens any more when something else has been opened meanwhile.
-                let _ = send.send(read(&wanted, &known));
-                drop(send);
-                ctx.request_repaint();
-            })
-            .map_err(|e| format!("{}: could not start a thread to read it: {e}", path.display()))?;
-        Ok(Resuming { path, result })
-    }
-
-    /// The picture or why there is none; `None` while it is on its way.
-    pub(crate) fn poll(&self) -> Option<Result<Resumed, String>> {
-        match self.result.try_recv() {
-            Ok(result) => Some(result),
-            Err(TryRecvError::Empty) => None,
-            Err(TryRecvError::Disconnected) => Some(Err(format!(
-                "{}: reading it ended in a fault of burnish; please report it with the file",
-                self.path.display()
-            ))),
-        }
-    }
+/// Starts to read; a scene of the same name among those `known` is taken for its own, if there is no
+/// nearer one.
+pub(crate) fn start(ctx: &Context, path: PathBuf, known: Vec<PathBuf>) -> Result<Resuming, String> {
+    Reading::start(ctx, "resume", path, move |path| read(path, &known))
 }
 
 fn read(path: &Path, known: &[PathBuf]) -> Result<Resumed, String> {
     let about = |e: &dyn std::fmt::Display| format!("{}: {e}", plain::path(path));
     let experiment = match Experiment::read(path) {
-        _ if Resuming::is_for(path) => None,
+        _ if is_for(path) => None,
         Ok(experiment) => Some(experiment),
         Err(ExperimentError::NoSums(_)) => None,
         Err(e) => return Err(e.to_string()),

@@ -364,13 +364,16 @@ fn keyboard(ui: &Ui, response: &Response, document: &mut Document) {
     let filter =
         EventFilter { horizontal_arrows: true, vertical_arrows: true, ..Default::default() };
     ui.memory_mut(|m| m.set_focus_lock_filter(response.id, filter));
-    let (subject, pivot) = (document.subject(), document.pivot());
+    let subject = document.subject();
     let moves: [(Key, [f64; 2]); 4] = [
         (Key::ArrowLeft, [-1.0, 0.0]),
         (Key::ArrowRight, [1.0, 0.0]),
         (Key::ArrowUp, [0.0, 1.0]),
         (Key::ArrowDown, [0.0, -1.0]),
     ];
+    // The middle of a material's surfaces is looked for among all shapes: not with every frame.
+    let moved = ui.input(|i| moves.iter().any(|(key, _)| i.key_pressed(*key)));
+    let pivot = if moved { document.pivot() } else { subject.pivot(&document.params.camera) };
     let mut camera: Camera = document.params.camera;
     ui.input_mut(|input| {
         for (key, [x, y]) in moves {
