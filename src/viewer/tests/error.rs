@@ -272,17 +272,11 @@ impl Desk {
     fn click_role_within(&mut self, name: &str, field: &str) {
         self.harness.run_ok();
         let line = self.harness.get_by_label(field).rect();
-        let at = self
-            .harness
+        self.harness
             .query_all_by_role_and_label(Role::Button, name)
-            .map(|node| node.rect())
-            .find(|rect| (rect.center().y - line.center().y).abs() < 8.0)
+            .find(|node| (node.rect().center().y - line.center().y).abs() < 8.0)
             .expect("no such button there")
-            .center();
-        self.harness.hover_at(at);
-        self.harness.step();
-        self.press(at, PointerButton::Primary, true, Modifiers::NONE);
-        self.press(at, PointerButton::Primary, false, Modifiers::NONE);
+            .click_accesskit();
         self.harness.run_ok();
     }
 }
