@@ -393,7 +393,8 @@ fn with_window(whole: &[u8], name: &str, window: [i32; 4]) -> Vec<u8> {
     bytes
 }
 
-/// Kind: a header that claims more than the file can hold is refused before anything is allocated.
+/// Kind: a header that claims more than the file can hold is refused; how many bytes it takes is
+/// measured in tests/fuzz.
 #[test]
 fn claims_that_the_file_cannot_hold_are_refused_at_once() {
     let folder = tempfile::tempdir().unwrap();
@@ -410,13 +411,11 @@ fn claims_that_the_file_cannot_hold_are_refused_at_once() {
             [-16_000, -16_000, 16_000, 16_000],
         ] {
             fs::write(&path, with_window(&whole, name, window)).unwrap();
-            let start = std::time::Instant::now();
             let text = read_exr(&path).unwrap_err().to_string();
             assert!(
                 text.contains("a.exr") && text.lines().count() == 1,
                 "{name} {window:?}: {text}"
             );
-            assert!(start.elapsed().as_secs() < 5, "{name} {window:?}");
         }
     }
     // What lies outside the display window is left out and told; what it has beyond is black.

@@ -1,6 +1,8 @@
 //! What is written where: never over what is read, nothing twice, and nothing in vain.
 
 use super::{at, burnish, code, err, must, run};
+#[cfg(unix)]
+use super::{signal, until_told};
 use std::fs;
 use std::path::Path;
 
@@ -72,16 +74,17 @@ fn what_can_be_written_is_and_the_rest_is_kept_elsewhere() {
     let gone = folder.path().join("gone");
     fs::create_dir(&gone).unwrap();
     // The folder of one output vanishes while the other's is there.
-    let script = "\"$0\" render a.scn -o gone/x.exr -o kept.png --stats s.json --time 2 & \
-                  sleep 1; mv gone away; wait $!";
-    let output = std::process::Command::new("sh")
-        .args(["-c", script, env!("CARGO_BIN_EXE_burnish")])
+    let mut command = burnish();
+    command
+        .args(["render", "-v", "a.scn", "-o", "gone/x.exr", "-o", "kept.png", "--stats", "s.json"])
+        .args(["--passes", "1000000000", "--checkpoint", "c.exr", "--every", "0"])
         .env("TMPDIR", spare.path())
-        .current_dir(folder.path())
-        .output()
-        .unwrap();
-    let told = err(&output);
-    assert_eq!(code(&output), 1, "{told}");
+        .current_dir(folder.path());
+    let (mut child, lines) = until_told(command, "checkpoint:");
+    fs::rename(&gone, at(&folder, "away")).unwrap();
+    signal(&child, "-INT");
+    let told = lines.map(|line| line.unwrap()).collect::<Vec<_>>().join("\n");
+    assert_eq!(child.wait().unwrap().code(), Some(1), "{told}");
     assert!(told.contains("gone/x.exr"), "{told}");
     assert!(Path::new(&at(&folder, "kept.png")).exists(), "{told}");
     assert!(Path::new(&at(&folder, "s.json")).exists(), "{told}");
@@ -144,27 +147,21 @@ fn leftovers_of_the_dead_go_and_those_of_the_living_stay() {
 #[cfg(unix)]
 #[test]
 fn other_signals_end_a_render_as_ctrl_c_does() {
-    use std::io::{BufRead, BufReader};
-    for signal in ["-TERM", "-HUP"] {
+    for name in ["-TERM", "-HUP"] {
         let folder = folder();
-        let (scene, exr) = (at(&folder, "a.scn"), at(&folder, "long.exr"));
-        // Once it says what it is about to render, signals are listened to.
-        let mut child = burnish()
-            .args(["render", "-v", &scene, "-o", &exr, "--passes", "1000000000"])
-            .stderr(std::process::Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
-        let begins = |line: &std::io::Result<String>| line.as_ref().unwrap().contains("strategy");
-        assert!(lines.by_ref().any(|line| begins(&line)), "{signal}");
-        std::thread::sleep(std::time::Duration::from_millis(300));
-        let pid = child.id().to_string();
-        assert!(
-            std::process::Command::new("kill").args([signal, &pid]).status().unwrap().success()
-        );
+        let [scene, exr, kept] = ["a.scn", "long.exr", "kept.exr"].map(|name| at(&folder, name));
+        let mut command = burnish();
+        command.args(["render", "-v", &scene, "-o", &exr, "--passes", "1000000000"]).args([
+            "--checkpoint",
+            &kept,
+            "--every",
+            "0",
+        ]);
+        let (mut child, lines) = until_told(command, "checkpoint:");
+        signal(&child, name);
         let told: Vec<String> = lines.map(|line| line.unwrap()).collect();
-        assert_eq!(child.wait().unwrap().code(), Some(0), "{signal}: {told:?}");
-        assert_eq!(burnish::picture::read_exr(exr.as_ref()).unwrap().width, 8, "{signal}");
+        assert_eq!(child.wait().unwrap().code(), Some(0), "{name}: {told:?}");
+        assert_eq!(burnish::picture::read_exr(exr.as_ref()).unwrap().width, 8, "{name}");
     }
 }
 

@@ -43,7 +43,10 @@ fn options(keep: u64) -> Options {
     Options { threads: 2, preview: true, interval: Duration::ZERO, keep }
 }
 
-/// The first snapshot of the epoch that is like that, within a minute.
+/// What has not come by then never comes, however much else the machine has to do.
+const PATIENCE: Duration = Duration::from_secs(900);
+
+/// The first snapshot of the epoch that is like that.
 fn wait_for(session: &Session, epoch: u64, like: impl Fn(&Snapshot) -> bool) -> Snapshot {
     let start = Instant::now();
     loop {
@@ -53,7 +56,7 @@ fn wait_for(session: &Session, epoch: u64, like: impl Fn(&Snapshot) -> bool) -> 
         {
             return snapshot;
         }
-        assert!(start.elapsed() < Duration::from_secs(60), "never came");
+        assert!(start.elapsed() < PATIENCE, "never came");
     }
 }
 
@@ -117,10 +120,11 @@ fn a_picture_seen_before_is_there_at_once_and_not_traced_again() {
     assert_eq!(back.dirty.len(), back.tiles.len(), "all of it is to be shown");
     assert!(same(&finish(&session, back), &first), "and there it stays");
     // Started again it has to come back the long way.
+    session.set_limit(1);
     let again = session.restart();
-    let early = wait_for(&session, again, |_| true);
-    assert!(early.passes < LIMIT, "{}", early.passes);
-    assert!(same(&finish(&session, early), &first));
+    assert_eq!(wait_for(&session, again, |s| s.state == State::Done).passes, 1);
+    session.set_limit(LIMIT);
+    assert!(same(&wait_for(&session, again, |s| s.passes == LIMIT), &first));
 }
 
 #[test]
@@ -129,10 +133,11 @@ fn without_memory_for_it_nothing_is_kept() {
     let session = Session::with_options(variants[0].clone(), 8, options(0), || {}).unwrap();
     let first = wait_for(&session, session.epoch(), |s| s.state == State::Done);
     for params in [&variants[1], &variants[0]] {
+        session.set_limit(1);
         let epoch = session.set(params.clone()).unwrap();
-        let early = wait_for(&session, epoch, |_| true);
-        assert!(early.passes < 8, "{}", early.passes);
-        let done = finish(&session, early);
+        assert_eq!(wait_for(&session, epoch, |s| s.state == State::Done).passes, 1);
+        session.set_limit(8);
+        let done = wait_for(&session, epoch, |s| s.passes == 8);
         assert!(params.model != variants[0].model || done.mean() == first.mean());
     }
     assert_eq!(session.kept(), Default::default());
@@ -161,7 +166,7 @@ fn memory_stays_within_its_bound_over_a_thousand_switches() {
     session.set_keep(0);
     let start = Instant::now();
     while session.kept().pictures > 0 {
-        assert!(start.elapsed().as_secs() < 10, "memory that is given back");
+        assert!(start.elapsed() < PATIENCE, "memory that is given back");
         std::thread::sleep(Duration::from_millis(1));
     }
 }
@@ -175,7 +180,7 @@ fn others_are_refined_while_there_is_nothing_else_to_do() {
     let start = Instant::now();
     wait_for(&session, session.epoch(), |s| s.state == State::Done);
     while session.kept().pictures < 2 {
-        assert!(start.elapsed().as_secs() < 60, "they are not refined");
+        assert!(start.elapsed() < PATIENCE, "they are not refined");
         std::thread::sleep(Duration::from_millis(1));
     }
     for params in &variants[1..3] {
@@ -199,7 +204,7 @@ fn two_pictures_beside_each_other_keep_step() {
     let mut last: Option<Snapshot> = None;
     let start = Instant::now();
     while shown < LIMIT || beside < LIMIT {
-        assert!(start.elapsed().as_secs() < 60, "{shown} and {beside} passes");
+        assert!(start.elapsed() < PATIENCE, "{shown} and {beside} passes");
         if let Some(snapshot) = session.latest() {
             shown = snapshot.passes;
         }
@@ -219,7 +224,7 @@ fn two_pictures_beside_each_other_keep_step() {
     let beside = loop {
         match session.latest_beside() {
             Some(snapshot) if snapshot.epoch == number => break snapshot,
-            _ => assert!(start.elapsed().as_secs() < 60),
+            _ => assert!(start.elapsed() < PATIENCE),
         }
         std::thread::sleep(Duration::from_millis(1));
     };

@@ -103,7 +103,7 @@ fn two_models_are_traced_in_turn_and_laid_against_each_other() {
     desk.until("a verdict", |_| true);
     let start = Instant::now();
     while desk.harness.query_by_label_contains("Second brighter in").is_none() {
-        assert!(start.elapsed() < Duration::from_secs(60), "no verdict");
+        assert!(start.elapsed() < PATIENCE, "no verdict");
         std::thread::sleep(Duration::from_millis(5));
         desk.harness.step();
     }
@@ -113,7 +113,7 @@ fn two_models_are_traced_in_turn_and_laid_against_each_other() {
     desk.until("no difference", |app| app.render.as_ref().unwrap().beside().is_some());
     let start = Instant::now();
     while desk.harness.query_by_label_contains("no significant difference in 100 %").is_none() {
-        assert!(start.elapsed() < Duration::from_secs(60), "a picture differs from itself");
+        assert!(start.elapsed() < PATIENCE, "a picture differs from itself");
         std::thread::sleep(Duration::from_millis(5));
         desk.harness.step();
     }

@@ -18,7 +18,7 @@ impl Desk {
     fn until_told_of(&mut self, text: &str) {
         let start = Instant::now();
         while self.harness.query_all_by_label_contains(text).next().is_none() {
-            assert!(start.elapsed() < Duration::from_secs(60), "never told: {text}");
+            assert!(start.elapsed() < PATIENCE, "never told: {text}");
             std::thread::sleep(Duration::from_millis(2));
             self.harness.step();
         }

@@ -42,6 +42,9 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
+/// What has not come by then never comes, however much else the machine has to do.
+const PATIENCE: Duration = Duration::from_secs(900);
+
 /// Two balls side by side before black, a lamp out of sight; the comma draws a warning.
 const SCENE: &str = "screen 64 48
 camera 0 -6 0 0.4 x 90
@@ -182,7 +185,7 @@ impl Desk {
     fn until(&mut self, what: &str, so: impl Fn(&App) -> bool) {
         let start = Instant::now();
         while !so(self.app()) {
-            assert!(start.elapsed() < Duration::from_secs(60), "no {what}; {}", self.notice());
+            assert!(start.elapsed() < PATIENCE, "no {what}; {}", self.notice());
             std::thread::sleep(Duration::from_millis(2));
             self.harness.step();
         }
@@ -237,7 +240,7 @@ impl Desk {
                 node.click();
                 return self.harness.step();
             }
-            assert!(start.elapsed() < Duration::from_secs(60), "{which:?} moves about");
+            assert!(start.elapsed() < PATIENCE, "{which:?} moves about");
             places.rotate_left(1);
             places[2] = place;
             std::thread::sleep(Duration::from_millis(2));
@@ -251,7 +254,7 @@ impl Desk {
         let start = Instant::now();
         self.click_role(Role::SpinButton, label);
         while self.harness.ctx.memory(|m| m.focused().is_none()) {
-            assert!(start.elapsed() < Duration::from_secs(60), "{label} takes no text");
+            assert!(start.elapsed() < PATIENCE, "{label} takes no text");
             self.click_role(Role::SpinButton, label);
         }
         self.harness.event(Event::Text(text.to_owned()));
@@ -316,8 +319,26 @@ impl Desk {
         names
     }
 
-    /// How long egui would wait before drawing again, if nothing happens.
-    fn rest(&self) -> Duration {
-        self.harness.output().viewport_output[&egui::ViewportId::ROOT].repaint_delay
+    /// Whether the last frame asked for no other, ever.
+    fn rests(&self) -> bool {
+        let viewport = &self.harness.output().viewport_output[&egui::ViewportId::ROOT];
+        viewport.repaint_delay == Duration::MAX && !self.harness.ctx.has_requested_repaint()
+    }
+
+    /// Frame after frame, as they are asked for, until five looks in a row find that none is: animations,
+    /// proofs and the workers' last words come to an end, on a busy machine late.
+    fn until_at_rest(&mut self) {
+        let start = Instant::now();
+        let mut quiet = 0;
+        while quiet < 5 {
+            let causes = self.harness.ctx.repaint_causes();
+            assert!(start.elapsed() < PATIENCE, "drawn without an end: {causes:?}");
+            std::thread::sleep(Duration::from_millis(30));
+            quiet += 1;
+            if !self.rests() {
+                quiet = 0;
+                self.harness.step();
+            }
+        }
     }
 }

@@ -129,23 +129,7 @@ fn the_focused_picture_takes_the_arrow_keys() {
 #[test]
 fn a_finished_window_is_not_redrawn() {
     let mut desk = Desk::done(2);
-    // Animations, proofs and the workers' last words come to an end; on a busy machine that takes a
-    // while. Then nothing asks for a frame, however long one waits.
-    let start = std::time::Instant::now();
-    let mut quiet = 0;
-    while quiet < 5 {
-        assert!(
-            start.elapsed() < Duration::from_secs(30),
-            "{:?}",
-            desk.harness.ctx.repaint_causes()
-        );
-        std::thread::sleep(Duration::from_millis(60));
-        let asked = desk.harness.ctx.has_requested_repaint() || desk.rest() != Duration::MAX;
-        quiet = if asked { 0 } else { quiet + 1 };
-        if asked {
-            desk.harness.step();
-        }
-    }
+    desk.until_at_rest();
 }
 
 #[test]

@@ -9,7 +9,7 @@ impl Desk {
     fn until_drawn(&mut self, text: &str) {
         let start = Instant::now();
         while !self.is_drawn(text) {
-            assert!(start.elapsed() < Duration::from_secs(60), "never drawn: {text}");
+            assert!(start.elapsed() < PATIENCE, "never drawn: {text}");
             std::thread::sleep(Duration::from_millis(2));
             self.harness.step();
         }
@@ -19,7 +19,7 @@ impl Desk {
     fn open_proofs(&mut self) {
         let start = Instant::now();
         while !self.is_drawn("Running") && !self.is_drawn("at alpha") {
-            assert!(start.elapsed() < Duration::from_secs(60), "the proofs do not open");
+            assert!(start.elapsed() < PATIENCE, "the proofs do not open");
             self.click("Checks");
             self.harness.run_ok();
         }
@@ -81,7 +81,7 @@ fn a_material_that_gains_light_is_named_in_the_scene_s_remarks() {
     desk.document(|d| Arc::make_mut(&mut d.params.materials)[0].kd = [0.2; 3]);
     let start = Instant::now();
     while desk.is_drawn("no finite answer") {
-        assert!(start.elapsed() < Duration::from_secs(60), "still said");
+        assert!(start.elapsed() < PATIENCE, "still said");
         desk.harness.step();
     }
 }
