@@ -192,7 +192,13 @@ fn passes(recipe: &Recipe) -> String {
     } else {
         "; ended within a pass: the same number of passes gives a picture that differs in its noise"
     };
-    format!("{passes} ({paths} paths, {rays} rays{part})")
+    let span = |[from, to]: &[u64; 2]| format!("{from} to {}", to.saturating_sub(1));
+    let mut parts: Vec<String> = recipe.parts.iter().take(MOST_PARTS).map(span).collect();
+    if parts.len() < recipe.parts.len() {
+        parts.push("...".to_owned());
+    }
+    let gaps = if parts.is_empty() { "" } else { "; some are missing: it has passes " };
+    format!("{passes} ({paths} paths, {rays} rays{part}{gaps}{})", parts.join(", "))
 }
 
 fn error(recipe: &Recipe) -> String {
@@ -218,14 +224,41 @@ fn again(path: &Path, recipe: &Recipe) -> String {
     };
     let kind = path.extension().map_or("png".into(), |kind| kind.to_string_lossy().into_owned());
     let output = format!("again.{kind}");
-    let words = ["burnish", "render", &scene, "-o", &output].map(str::to_owned);
-    let command = line_of(words.into_iter().chain(recipe.arguments()));
+    let command = if recipe.parts.is_empty() {
+        let words = ["burnish", "render", &scene, "-o", &output].map(str::to_owned);
+        line_of(words.into_iter().chain(recipe.arguments()))
+    } else {
+        part_by_part(recipe, &scene, &output)
+    };
     let first = if edited {
         format!("burnish info {} --scene > edited.scn; ", quoted(&file_of(&path.to_string_lossy())))
     } else {
         String::new()
     };
     first + &command
+}
+
+/// Most parts that are told one by one.
+const MOST_PARTS: usize = 16;
+
+/// The commands that make the passes there are, and put them together.
+fn part_by_part(recipe: &Recipe, scene: &str, output: &str) -> String {
+    let parts = recipe.parts.iter().take(MOST_PARTS);
+    let mut files = Vec::new();
+    let mut commands: Vec<String> = parts
+        .map(|&part| {
+            let file = format!("again-{}.exr", part[0]);
+            let words = ["burnish", "render", scene, "--checkpoint", &file].map(str::to_owned);
+            files.push(file);
+            line_of(words.into_iter().chain(recipe.of_part(part).arguments()))
+        })
+        .collect();
+    if files.len() < recipe.parts.len() {
+        commands.push(format!(": and {} more", recipe.parts.len() - files.len()));
+        files = vec!["again-*.exr".to_owned()];
+    }
+    commands.push(format!("burnish merge {} -o {}", files.join(" "), quoted(output)));
+    commands.join("; ")
 }
 
 /// What is in a scene, for scripts.

@@ -88,6 +88,10 @@ pub struct Recipe {
     /// The number of the first pass: another than 0 in a part of a picture.
     #[serde(default)]
     pub first_pass: u64,
+    /// Passes that it has where some between are missing, as parts put together may have them: each from
+    /// its first to before its second. Such a picture is made again part by part.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parts: Vec<[u64; 2]>,
     /// Whether there are no others: there are when time ran out within a pass. Such a picture cannot
     /// be made again exactly.
     #[serde(default)]
@@ -262,6 +266,7 @@ impl Recipe {
             uniform: params.uniform,
             passes,
             first_pass: params.first_pass,
+            parts: Vec::new(),
             whole: Some(whole),
             paths: counts.paths,
             rays: counts.rays,
@@ -330,7 +335,8 @@ impl Recipe {
 
     /// What to give `burnish render` besides the scene and the file, and `burnish pixel` besides the
     /// scene and the place. Changes of materials other
-    /// than one roughness for all are not among them: those need [`Recipe::scene_text`].
+    /// than one roughness for all are not among them: those need [`Recipe::scene_text`]. A picture of several
+    /// [`parts`](Recipe::parts) is made by those of [`Recipe::of_part`] for each.
     pub fn arguments(&self) -> Vec<String> {
         let [width, height] = self.size;
         let mut all = Vec::new();
@@ -384,6 +390,12 @@ impl Recipe {
             all.extend(["--isa".to_owned(), self.isa.clone()]);
         }
         all
+    }
+
+    /// The recipe of the passes from the first to before the second, which are one of its parts.
+    pub fn of_part(&self, [from, to]: [u64; 2]) -> Recipe {
+        let passes = to.saturating_sub(from);
+        Recipe { first_pass: from, passes, parts: Vec::new(), ..self.clone() }
     }
 
     /// The scene's text with the materials, the camera and the size of the picture in it.

@@ -126,6 +126,22 @@ fn parts_by_many_tasks_are_the_picture_of_one() {
     let output = inside(&["resume", "some.exr"]);
     assert!(code(&output) == 1 && err(&output).contains("lacks passes 16 to 19"));
     assert!(fine(&["verify", "some.exr"]).0.contains("the same: 36 passes"));
+    // What is told to make it again makes it again.
+    let told = fine(&["info", "some.exr"]).0;
+    assert!(told.contains("it has passes 0 to 15, 20 to 39"), "{told}");
+    let command = told.lines().find_map(|line| line.strip_prefix("again")).unwrap().trim();
+    let command = command.replace("burnish ", &format!("{} ", env!("CARGO_BIN_EXE_burnish")));
+    let shell = std::process::Command::new("sh")
+        .args(["-c", &command])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert_eq!(code(&shell), 0, "{command}: {}", err(&shell));
+    let sums = |name: &str| {
+        let read = burnish::progressive::Experiment::read(&folder.path().join(name)).unwrap();
+        (read.spans().to_vec(), read.picture().0)
+    };
+    assert!(sums("again.exr") == sums("some.exr"));
     fine(&["merge", "some.exr", "part-4.exr", "-o", "whole.exr"]);
     let bytes = |name: &str| fs::read(at(&folder, name)).unwrap();
     assert!(bytes("whole.exr") == bytes("one.exr"));

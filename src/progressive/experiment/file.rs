@@ -184,7 +184,7 @@ impl Experiment {
         let films = films(&recipe, &record, &read).map_err(broken)?;
         let Record { spans, goal, quantum, alphas, chosen, .. } = record;
         // What is estimated is estimated again.
-        let recipe = Recipe { error: None, ..recipe };
+        let recipe = Recipe { error: None, parts: Vec::new(), ..recipe };
         let read = Experiment { recipe, alphas, chosen, quantum, spans, films, goal };
         match read.impossible() {
             Some(what) => Err(broken(what)),

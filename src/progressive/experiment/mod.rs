@@ -225,8 +225,9 @@ impl Experiment {
             }
         }
         let error = sums.estimate(u64::from(width) * u64::from(height), self.passes());
-        let recipe =
-            Recipe { error: error.as_ref().and_then(ErrorRecipe::new), ..self.recipe.clone() };
+        let parts = if self.gap().is_some() { self.spans.clone() } else { Vec::new() };
+        let known = error.as_ref().and_then(ErrorRecipe::new);
+        let recipe = Recipe { error: known, parts, ..self.recipe.clone() };
         (picture, error, recipe)
     }
 

@@ -26,6 +26,17 @@ impl Recipe {
             let wrong = !(sides.contains(&width) && sides.contains(&height));
             wrong.then(|| format!("a size of {width}x{height} pixels"))
         };
+        let parts = || {
+            let (parts, passes) = (&self.parts, self.passes);
+            let apart = |pair: &[[u64; 2]]| pair[0][1] < pair[1][0];
+            let in_order = parts.iter().all(|[from, to]| from < to && from.is_multiple_of(4))
+                && parts.windows(2).all(apart)
+                && parts.last().is_some_and(|part| part[1] <= 2 * Session::MAX_PASSES);
+            let all = || parts.iter().map(|[from, to]| to - from).sum::<u64>() == passes;
+            let begins = || parts[0][0] == self.first_pass && parts.len() > 1 && self.uniform;
+            let possible = parts.is_empty() || in_order && all() && begins();
+            (!possible).then(|| format!("passes {:?} of {passes}", &parts[..parts.len().min(4)]))
+        };
         let passes = || {
             // Time may run out within a pass: then there are more paths than whole passes have.
             // Where samples are planned, passes are those of a pixel on the mean only, but for the first.
@@ -90,6 +101,7 @@ impl Recipe {
             .or_else(|| (self.max_depth == Some(0)).then(|| "a depth limit of 0".to_owned()))
             .or_else(size)
             .or_else(passes)
+            .or_else(parts)
             .or_else(roughness)
             .or_else(camera)
             .or_else(error)
