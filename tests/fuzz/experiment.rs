@@ -1,7 +1,7 @@
 //! Broken experiments: bytes, texts and single sums changed. What is still taken for one has to go on.
 
 use super::mutate::{Random, is_fit, try_all};
-use super::{EACH, FREE, TURN, bounded};
+use super::{EACH, FREE, TURN, bounded, folder};
 use burnish::picture::{ReadTables, Table, read_exr, read_tables, write_with_tables};
 use burnish::progressive::{Experiment, Options, Params, Session, State};
 use burnish::scene::Scene;
@@ -88,7 +88,7 @@ fn use_all(path: &Path, bytes: &[u8], scene: &Arc<Scene>, seed: u64) -> bool {
 #[test]
 fn experiments() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let (path, good) = (folder.path().join("x.exr"), folder.path().join("good.exr"));
     let scene = scene();
     let (mut read, mut refused) = (0, 0);

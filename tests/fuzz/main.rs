@@ -14,7 +14,7 @@ use burnish::picture::{Picture, Tone, read_exr_part, read_recipe, write_with_rec
 use burnish::progressive::{Params, Recipe, render};
 use burnish::scene::builtin::Example;
 use burnish::scene::read::{self, Memory};
-use mutate::{WORDS, corpus, is_fit, try_all};
+use mutate::{Random, WORDS, corpus, is_fit, try_all};
 use peak_alloc::PeakAlloc;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -50,6 +50,17 @@ fn bounded<T>(most: usize, file: &[u8], seed: u64, act: impl Fn() -> T) -> T {
     result
 }
 
+/// Does all on one thread, also what readers leave to others where files are large: most of the time would
+/// else go by in handing over files of some hundred bytes.
+fn on_one_thread(act: impl FnOnce() + Send) {
+    rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(act);
+}
+
+/// A folder that is in memory where there is such a one: it is the readers that are tried and not the disk.
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).unwrap()
+}
+
 /// What any reader may take whatever comes, and for each byte of its input.
 const FREE: usize = 2 << 20;
 const EACH: usize = 64;
@@ -66,7 +77,7 @@ fn read_all(name: &'static str, by: &str, lines: &str, whole: &[u8], seed: u64) 
     assert!(broken.len() >= 60, "{name}: {} files", broken.len());
     let files: Vec<Vec<u8>> = std::iter::once(whole.to_vec()).chain(broken).collect();
     let (mut read, mut refused, mut placed) = (0u64, 0u64, 0u64);
-    try_all(&files, 1, &WORDS, seed, |bytes, _| {
+    let each = |bytes: &[u8], _: &mut Random| {
         let all = [
             ("workshop.scn", SCENE),
             ("lamp.obj", MODEL),
@@ -99,6 +110,9 @@ fn read_all(name: &'static str, by: &str, lines: &str, whole: &[u8], seed: u64) 
                 assert!(e.place.line.is_some() || whole || name.ends_with(".ply"), "{told}");
             }
         }
+    };
+    on_one_thread(|| {
+        try_all(&files, 1, &WORDS, seed, each);
     });
     println!("{name}: {read} read, {refused} refused, {placed} of these with a line");
     assert!(read > 10 && (refused > 10 || by != name), "{name}: {read} read, {refused} refused");
@@ -163,16 +177,17 @@ fn recipes() {
             }
         }
     });
+    println!("recipes: {read} read, {refused} refused");
     assert!(read > 10 && refused > 10, "{read} read, {refused} refused");
 }
 
 /// Reads a picture file, which has to be on disk.
 fn read_pictures(kind: &str, files: Vec<Vec<u8>>, most: usize, seed: u64) {
     assert!(files.len() >= 60, "{} files", files.len());
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let path = folder.path().join(format!("x.{kind}"));
     let (mut read, mut refused) = (0, 0);
-    try_all(&files, 2, &[], seed, |bytes, random| {
+    let each = |bytes: &[u8], random: &mut Random| {
         std::fs::write(&path, bytes).unwrap();
         let part = ["", "part 1", "beauty"].get(random.below(6)).copied();
         let most = most + EACH * bytes.len();
@@ -191,7 +206,11 @@ fn read_pictures(kind: &str, files: Vec<Vec<u8>>, most: usize, seed: u64) {
                 }
             }
         }
+    };
+    on_one_thread(|| {
+        try_all(&files, 2, &[], seed, each);
     });
+    println!("{kind}: {read} read, {refused} refused");
     assert!(read > 10 && refused > 10, "{kind}: {read} read, {refused} refused");
 }
 
@@ -199,7 +218,7 @@ fn read_pictures(kind: &str, files: Vec<Vec<u8>>, most: usize, seed: u64) {
 #[test]
 fn exr_pictures() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let mut files = Vec::new();
     let path = folder.path().join("own.exr");
     let picture = Picture { width: 5, height: 4, pixels: vec![[0.5, 1.0, f32::NAN]; 20] };
