@@ -161,6 +161,66 @@ fn files_are_opened_in_few_places() {
     }
 }
 
+/// The parameters of `ui` in every panel, of which one that is not used may be called `_`.
+const PANEL: [&str; 4] =
+    ["&mut self", "ui: &mut Ui", "document: &mut Document", "actions: &mut Vec<Action>"];
+
+/// The parameter lists of the functions called `ui` in a file's code.
+fn parameters_of_ui(lines: &[String]) -> Vec<Vec<String>> {
+    let text = lines.join(" ");
+    let after = text.split("fn ui").skip(1).filter(|rest| rest.starts_with(['(', '<']));
+    let list = |rest: &str| {
+        let inside = rest.split_once('(').map_or("", |(_, inside)| inside);
+        let inside = inside.split_once(')').map_or("", |(inside, _)| inside);
+        inside.split(',').map(|p| p.trim().to_owned()).filter(|p| !p.is_empty()).collect()
+    };
+    after.map(list).collect()
+}
+
+fn is_panel(parameters: &[String]) -> bool {
+    let is = |found: &String, due: &&str| {
+        let unused = due.split_once(": ").map(|(_, due)| format!("_: {due}"));
+        found == due || unused.as_ref() == Some(found)
+    };
+    parameters.len() == PANEL.len() && parameters.iter().zip(&PANEL).all(|(p, due)| is(p, due))
+}
+
+#[test]
+fn every_panel_has_one_form() {
+    let mut panels = 0;
+    for (file, lines) in code() {
+        if !file.starts_with("src/viewer/panels/") {
+            continue;
+        }
+        let has = |l: &&String| l.starts_with("impl Panel for ");
+        let own = lines.iter().filter(has).count();
+        assert!(own <= 1, "{file}: a panel has a file of its own");
+        panels += own;
+        let found = parameters_of_ui(&lines);
+        let declared = usize::from(file.ends_with("/mod.rs"));
+        assert_eq!(found.len(), own + declared, "{file}: `ui` is a panel's alone");
+        for parameters in found {
+            assert!(is_panel(&parameters), "{file}: fn ui({})", parameters.join(", "));
+        }
+    }
+    assert!(panels >= 15, "only {panels} panels found");
+}
+
+#[test]
+fn a_panel_is_told_from_what_is_none() {
+    let of = |text: &str| parameters_of_ui(&text.lines().map(String::from).collect::<Vec<_>>());
+    let right =
+        "fn ui(\n&mut self,\nui: &mut Ui,\ndocument: &mut Document,\n_: &mut Vec<Action>,\n) {";
+    assert!(is_panel(&of(right)[0]));
+    for wrong in [
+        "fn ui(&mut self, ui: &mut Ui, document: &Document, actions: &mut Vec<Action>) {",
+        "fn ui(&mut self, ui: &mut Ui, document: &mut Document) -> Option<Action> {",
+        "fn ui(ui: &mut Ui, document: &mut Document, actions: &mut Vec<Action>) {",
+    ] {
+        assert!(!is_panel(&of(wrong)[0]), "{wrong}");
+    }
+}
+
 /// The map for contributors.
 const MAP: &str = include_str!("../src/ARCHITECTURE.md");
 const README: &str = include_str!("../README.md");

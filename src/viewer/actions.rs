@@ -2,13 +2,14 @@
 
 use crate::viewer::app::App;
 use crate::viewer::document::command;
+use crate::viewer::jobs::load::Source;
 use crate::viewer::jobs::save::{Job, PlotJob, Saving, SceneJob, stem};
 use crate::viewer::keys::Action;
+use crate::viewer::overlays::notice::Notice;
 use crate::viewer::panels::export::{Content, Export};
-use crate::viewer::panels::notice::Notice;
 use crate::viewer::panels::view::View;
 use crate::viewer::style::labels;
-use burnish::progressive::Recipe;
+use burnish::progressive::{Recipe, Snapshot};
 use burnish::scene::{Axis, Crop};
 use egui::{Context, ViewportCommand};
 
@@ -36,18 +37,24 @@ impl App {
             Action::Browse => self.browse(ctx),
             Action::Reload => self.reload(ctx),
             Action::CopyCommand => self.copy_command(ctx),
-            Action::Compare => self.compare.on = !self.compare.on,
             Action::Tag => self.tag(),
             Action::Lobes => self.turned = Some("lobes"),
             Action::Pixel => self.turned = Some("pixel"),
             Action::Errors => self.turned = Some("error"),
             Action::CopyPicture => self.copy_picture(ctx),
             Action::Dismiss => self.dismiss(ctx),
-            Action::Layer => self.next_layer(),
             Action::HidePanel => self.alone = !self.alone,
             Action::Export => self.export(ctx),
             Action::TurnUp => self.turn_up(ctx),
             Action::Resume => self.resume(ctx),
+            Action::OpenExample(example) => self.load(ctx, Source::Example(example), false),
+            Action::OpenRecent(place) => self.open_recent(ctx, place),
+            Action::Threads(threads) => self.set_threads(ctx, threads),
+            Action::Watch(watch) => {
+                self.settings.watch = watch;
+                self.look_after(ctx);
+            }
+            Action::Switching(switching) => self.settings.switching = switching,
             _ => self.edit(ctx, action),
         }
     }
@@ -60,6 +67,11 @@ impl App {
             Action::Smoother => document.scale_roughness(1.0 / ROUGHNESS_STEP),
             Action::Rougher => document.scale_roughness(ROUGHNESS_STEP),
             Action::Pause => document.paused = !document.paused,
+            Action::Compare => document.comparison.on = !document.comparison.on,
+            Action::Layer if document.comparison.is_difference() => {
+                self.notice = Some(Notice::news(labels::LAYER_NONE));
+            }
+            Action::Layer => document.layer = document.layer.next(),
             Action::Brighter => View::expose(document, EXPOSURE_STEP),
             Action::Darker => View::expose(document, -EXPOSURE_STEP),
             Action::Home => document.params.camera = document.params.scene.camera(),
@@ -105,10 +117,12 @@ impl App {
             self.act(ctx, Action::FullScreen);
         } else if self.alone {
             self.alone = false;
-        } else if self.compare.on {
-            self.compare.on = false;
         } else if let Some(document) = &mut self.document {
-            document.only_picked = false;
+            if document.comparison.on {
+                document.comparison.on = false;
+            } else {
+                document.only_picked = false;
+            }
         }
     }
 
@@ -117,7 +131,7 @@ impl App {
             return;
         }
         let (Some(document), Some(render)) = (&self.document, &self.render) else { return };
-        let Some(snapshot) = render.newest.clone() else { return };
+        let Some(snapshot) = render.newest.as_deref().cloned() else { return };
         let params = &document.params;
         let current = snapshot.epoch >= render.epoch;
         let job = Job {
@@ -154,7 +168,7 @@ impl App {
 
     /// Does with a plot's curves what was asked for.
     fn export(&mut self, ctx: &Context) {
-        let ready = self.lobe.exports.take().or_else(|| self.error.exports.take());
+        let ready = self.panels.lobe.exports.take().or_else(|| self.panels.error.exports.take());
         let Some(Export { stem, content }) = ready else { return };
         let plot = match content {
             Content::Copied(text) => {
@@ -175,7 +189,7 @@ impl App {
 
     /// Goes on with the picture in the file that is compared with.
     fn resume(&mut self, ctx: &Context) {
-        let file = self.compare.file.as_ref();
+        let file = self.document.as_ref().and_then(|d| d.comparison.file.as_ref());
         let Some(path) = file.and_then(|file| file.resumable.clone()) else { return };
         self.start_resuming(ctx, path);
     }
@@ -188,22 +202,19 @@ impl App {
         self.saving.is_some()
     }
 
-    /// Shows the next of picture, noise map and sample map.
-    fn next_layer(&mut self) {
-        if self.compare.is_difference() {
-            self.notice = Some(Notice::news(labels::LAYER_NONE));
-            return;
+    fn open_recent(&mut self, ctx: &Context, place: usize) {
+        if let Some(path) = self.settings.recent.paths().get(place).cloned() {
+            self.load(ctx, Source::File(path), false);
         }
-        self.canvas.maps.layer = self.canvas.maps.layer.next();
     }
 
     /// Keeps the picture as it is, to compare others with.
     fn tag(&mut self) {
-        let (Some(document), Some(render)) = (&self.document, &self.render) else { return };
+        let (Some(document), Some(render)) = (&mut self.document, &self.render) else { return };
         let Some(snapshot) = &render.newest else { return };
         let name = format!("{}, {} passes", document.params.model.title(), snapshot.passes);
         self.notice = Some(Notice::news(format!("Tagged: {name}. Compare with it by C")));
-        self.compare.take_tag(name, snapshot.clone());
+        document.comparison.take_tag(name, Snapshot::clone(snapshot));
     }
 
     /// Stands a model by itself on its next axis.

@@ -2,7 +2,9 @@
 //! renderer what they changed. Knows egui, but not the window itself.
 
 use crate::viewer::document::Document;
+use crate::viewer::document::comparison::Frozen;
 use crate::viewer::document::exposures::Exposures;
+use crate::viewer::document::live::Live;
 use crate::viewer::jobs::browse::{Browsing, Dialog};
 use crate::viewer::jobs::load::{Loading, Source};
 use crate::viewer::jobs::reference::ReadingPicture;
@@ -11,36 +13,23 @@ use crate::viewer::jobs::save::Saving;
 use crate::viewer::jobs::sheet::MakingSheet;
 use crate::viewer::jobs::watch::Watch;
 use crate::viewer::keys::{self, Action};
-use crate::viewer::panels::compare::Compare;
-use crate::viewer::panels::controls::Controls;
-use crate::viewer::panels::energy::Energy;
-use crate::viewer::panels::error::ErrorPanel;
-use crate::viewer::panels::help::Help;
-use crate::viewer::panels::kept::KeptPanel;
-use crate::viewer::panels::lobe::LobePanel;
-use crate::viewer::panels::materials::Materials;
-use crate::viewer::panels::method::{self, MethodPanel};
-use crate::viewer::panels::notice::Notice;
-use crate::viewer::panels::open::{self, Open};
-use crate::viewer::panels::pixel::PixelPanel;
-use crate::viewer::panels::proofs::Proofs;
-use crate::viewer::panels::report::ReportPanel;
-use crate::viewer::panels::sheet;
-use crate::viewer::panels::status::{Facts, Status};
-use crate::viewer::panels::tracing::TracingPanel;
-use crate::viewer::panels::view::View;
+use crate::viewer::overlays::banner::banner;
+use crate::viewer::overlays::help::Help;
+use crate::viewer::overlays::notice::Notice;
+use crate::viewer::overlays::open::Open;
+use crate::viewer::panels::status::{self, Status};
+use crate::viewer::panels::{Panel as _, SidePanels, files};
 use crate::viewer::picture::canvas::{Canvas, Hover};
-use crate::viewer::picture::versus::Versus;
 use crate::viewer::render::Render;
 use crate::viewer::settings::Settings;
 use crate::viewer::style::number_field;
 use crate::viewer::style::theme;
 use crate::viewer::style::widgets;
-use burnish::progressive::{Snapshot, State};
+use burnish::progressive::State;
 use burnish::scene::Axis;
 use egui::{
-    Align2, Area, CentralPanel, Context, Frame, Id, Label, Margin, Order, Panel, RichText,
-    ScrollArea, Ui, UiBuilder, ViewportCommand, vec2,
+    Align2, Area, CentralPanel, Context, Frame, Id, Margin, Order, Panel, ScrollArea, Ui,
+    UiBuilder, vec2,
 };
 use std::path::PathBuf;
 
@@ -78,6 +67,8 @@ pub(super) struct App {
     pub(super) sheet: Option<MakingSheet>,
     /// A picture to compare with, being read.
     pub(super) reading: Option<ReadingPicture>,
+    /// One that was read before there was a document.
+    pub(super) early: Option<Frozen>,
     /// A picture from a file that is to go on, being read.
     pub(super) resuming: Option<Resuming>,
     pub(super) browsing: Option<Browsing>,
@@ -89,18 +80,7 @@ pub(super) struct App {
     pub(super) exposures: Exposures,
     /// While changed files are to be read again.
     pub(super) watch: Option<Watch>,
-    controls: Controls,
-    pub(super) compare: Compare,
-    view: View,
-    pub(super) lobe: LobePanel,
-    pub(super) error: ErrorPanel,
-    pub(super) pixel: PixelPanel,
-    materials: Materials,
-    tracing: TracingPanel,
-    method: MethodPanel,
-    proofs: Proofs,
-    energy: Energy,
-    report: ReportPanel,
+    pub(super) panels: SidePanels,
     status: Status,
     pub(super) help: Help,
     pub(super) open: Open,
@@ -120,9 +100,9 @@ pub(super) struct App {
     /// Whether text was being typed in the frame before.
     typed: bool,
     /// What the window's title says.
-    title: String,
+    pub(super) title: String,
     /// Whether the canvas shows another picture than the one being traced.
-    substituted: bool,
+    pub(super) substituted: bool,
 }
 
 impl App {
@@ -139,6 +119,7 @@ impl App {
             saving: None,
             sheet: None,
             reading: None,
+            early: None,
             resuming: None,
             browsing: None,
             dialog,
@@ -147,18 +128,7 @@ impl App {
             settings,
             exposures: Exposures::default(),
             watch: None,
-            controls: Controls,
-            compare: Compare::new(),
-            view: View,
-            lobe: LobePanel::new(),
-            error: ErrorPanel::new(),
-            pixel: PixelPanel::new(),
-            materials: Materials::default(),
-            tracing: TracingPanel::default(),
-            method: MethodPanel,
-            proofs: Proofs::new(),
-            energy: Energy::new(),
-            report: ReportPanel,
+            panels: SidePanels::default(),
             status: Status,
             help: Help::default(),
             open: Open::default(),
@@ -179,6 +149,27 @@ impl App {
 
     /// Takes in what the background threads have ready. Draws nothing.
     pub(super) fn logic(&mut self, ctx: &Context) {
+        self.finish_jobs(ctx);
+        let (Some(render), Some(document)) = (&mut self.render, &mut self.document) else { return };
+        let (now, touched, down) =
+            ctx.input(|i| (i.time, !i.events.is_empty(), i.pointer.any_down()));
+        render.pace(now, touched);
+        render.switch_like(self.settings.switching);
+        let news = render.drain(&mut document.errors);
+        let Some(snapshot) = render.newest.clone().filter(|_| news) else { return };
+        // What is dragged is to be seen at once.
+        let hold = if down { 0 } else { self.settings.switching.hold };
+        let substituted = document.comparison.first_frozen().is_some();
+        if substituted || self.canvas.show(&snapshot, document, hold) {
+            render.is_shown();
+        }
+        if let State::Failed(why) = &snapshot.state {
+            self.notice = Some(Notice::error(why.as_str()));
+        }
+    }
+
+    /// Takes in what jobs have come to.
+    fn finish_jobs(&mut self, ctx: &Context) {
         if let Some(result) = self.loading.as_ref().and_then(Loading::poll) {
             self.loading = None;
             match result {
@@ -191,10 +182,7 @@ impl App {
         self.hear_of_sheet();
         if let Some(result) = self.saving.as_ref().and_then(Saving::poll) {
             self.saving = None;
-            self.notice = Some(match result {
-                Ok(text) => Notice::news(text),
-                Err(why) => Notice::error(why),
-            });
+            self.notice = Some(result.map_or_else(Notice::error, Notice::news));
         }
         if let Some(result) = self.reading.as_ref().and_then(ReadingPicture::poll) {
             self.reading = None;
@@ -210,22 +198,6 @@ impl App {
                 Err(why) => self.notice = Some(Notice::error(why)),
             }
         }
-        let (Some(render), Some(document)) = (&mut self.render, &self.document) else { return };
-        let (now, touched, down) =
-            ctx.input(|i| (i.time, !i.events.is_empty(), i.pointer.any_down()));
-        render.pace(now, touched);
-        render.switch_like(self.settings.switching);
-        let news = render.drain();
-        if let (true, Some(snapshot)) = (news, &render.newest) {
-            // What is dragged is to be seen at once.
-            let hold = if down { 0 } else { self.settings.switching.hold };
-            if self.compare.first_frozen().is_some() || self.canvas.show(snapshot, document, hold) {
-                render.is_shown();
-            }
-        }
-        if let (true, Some(Snapshot { state: State::Failed(why), .. })) = (news, &render.newest) {
-            self.notice = Some(Notice::error(why.as_str()));
-        }
     }
 
     /// Draws the window and acts on the input.
@@ -236,9 +208,15 @@ impl App {
             actions.retain(|action| matches!(action, Action::Help | Action::Dismiss));
         }
         self.dropped(&ctx);
+        self.refresh_live();
         if !self.alone {
             let frame = bar(ui);
-            Panel::bottom("status").exact_size(28.0).frame(frame).show(ui, |ui| self.status(ui));
+            Panel::bottom("status").exact_size(28.0).frame(frame).show(ui, |ui| {
+                match &mut self.document {
+                    Some(document) => self.status.ui(ui, document, &mut actions),
+                    None => status::empty(ui, self.loading.as_ref().map(|l| l.name.as_str())),
+                }
+            });
             let side = Frame::new().fill(ui.visuals().panel_fill);
             Panel::right("controls").exact_size(theme::PANEL).resizable(false).frame(side).show(
                 ui,
@@ -247,7 +225,7 @@ impl App {
                     // and a picture that follows the window would begin anew.
                     let place = ui.available_rect_before_wrap();
                     let mut inside = ui.new_child(UiBuilder::new().max_rect(place));
-                    actions.extend(self.side(&mut inside));
+                    self.side(&mut inside, &mut actions);
                     ui.advance_cursor_after_rect(place);
                 },
             );
@@ -277,27 +255,6 @@ impl App {
         self.name_window(&ctx);
     }
 
-    /// What the window's title says.
-    #[cfg(test)]
-    pub(super) fn title(&self) -> &str {
-        &self.title
-    }
-
-    /// Has the window's title say what is shown and how far it is.
-    fn name_window(&mut self, ctx: &Context) {
-        let (Some(document), Some(render)) = (&self.document, &self.render) else { return };
-        let part = render.newest.as_ref().and_then(|s| document.goal.part(s, render.outlook()));
-        let ahead = part.filter(|_| !render.is_done()).map_or(String::new(), |part| {
-            // In few steps: a title is not a clock.
-            format!("{:.0} % - ", (20.0 * part).floor() * 5.0)
-        });
-        let title = format!("{ahead}{} - burnish", document.params.scene.name());
-        if title != self.title {
-            ctx.send_viewport_cmd(ViewportCommand::Title(title.clone()));
-            self.title = title;
-        }
-    }
-
     /// Takes note of how many seconds drawing one frame takes.
     pub(super) fn drawing_takes(&mut self, seconds: f32) {
         if let Some(render) = &mut self.render {
@@ -324,76 +281,44 @@ impl App {
         }
     }
 
-    fn status(&mut self, ui: &mut Ui) {
-        let render = self.render.as_ref();
-        self.status.ui(
-            ui,
-            &Facts {
-                document: self.document.as_ref(),
-                snapshot: render.and_then(|r| r.newest.as_ref()),
-                done: render.is_some_and(Render::is_done),
-                latency: render.and_then(|r| r.latency),
-                outlook: render.map(Render::outlook).unwrap_or_default(),
-                hover: self.canvas.hover.as_ref(),
-                loading: self.loading.as_ref().map(|l| l.name.as_str()),
-            },
-        );
+    /// Writes what the panels of this frame read besides the document's own settings.
+    fn refresh_live(&mut self) {
+        let (Some(document), Some(render)) = (&mut self.document, &self.render) else { return };
+        document.live = Live {
+            newest: render.newest.clone(),
+            is_current: render.current().is_some(),
+            is_done: render.is_done(),
+            latency: render.latency,
+            outlook: render.outlook(&document.errors),
+            kept: render.kept(),
+            hover: self.canvas.hover,
+            room: self.canvas.room,
+            loading: self.loading.as_ref().map(|l| l.name.clone()),
+            sheet: self.sheet.as_ref().map(|sheet| [sheet.at, sheet.of]),
+            threads: self.threads,
+            recent: self.settings.recent.clone(),
+            watch: self.settings.watch,
+            switching: self.settings.switching,
+        };
     }
 
-    fn side(&mut self, ui: &mut Ui) -> Vec<Action> {
-        let mut asked = Vec::new();
-        let (mut source, mut threads) = (None, None);
-        let mut watch = self.settings.watch;
-        let recent = self.settings.recent.clone();
+    /// Draws the panels of the side below each other; without a document the way to one.
+    fn side(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             Frame::new().inner_margin(Margin::same(16)).show(ui, |ui| {
                 // A line beside the panel takes some of its width.
                 ui.set_max_width(ui.available_width());
                 let Some(document) = &mut self.document else {
-                    source = open::files(ui, &recent, &mut asked);
-                    return;
+                    return files::row(ui, &self.settings.recent, actions);
                 };
                 if let Some(section) = self.turned.take() {
                     widgets::turn_section(ui, section);
                 }
-                asked.extend(self.controls.ui(ui, document, &mut self.energy));
-                let making = self.sheet.as_ref().map(|sheet| [sheet.at, sheet.of]);
-                asked.extend(sheet::button(ui, making));
-                self.compare.ui(ui, document, &mut asked);
-                source = open::files(ui, &recent, &mut asked);
-                if let Some(caption) = document.params.scene.caption() {
-                    ui.add(Label::new(RichText::new(caption).small().weak()).wrap());
+                for panel in self.panels.all() {
+                    panel.ui(ui, document, actions);
                 }
-                self.lobe.ui(ui, document, &mut asked);
-                self.pixel.ui(ui, document, &mut asked);
-                self.materials.ui(ui, document);
-                let layer =
-                    Some(&mut self.canvas.maps.layer).filter(|_| !self.compare.is_difference());
-                asked.extend(self.view.ui(ui, document, layer));
-                if let Some(render) = &mut self.render {
-                    self.error.ui(ui, document, render, &self.compare, &mut asked);
-                }
-                threads = self.tracing.ui(ui, document, self.threads, self.canvas.room);
-                if let Some(render) = &self.render {
-                    KeptPanel.ui(ui, render.kept(), &mut self.settings.switching);
-                }
-                self.method.ui(ui, document);
-                asked.extend(self.report.ui(ui, document, &mut self.energy, &mut watch));
-                // Last, for it grows when its proofs are done.
-                self.proofs.ui(ui, document);
             });
         });
-        if let Some(source) = source {
-            self.load(ui.ctx(), source, false);
-        }
-        if let Some(threads) = threads {
-            self.set_threads(ui.ctx(), threads);
-        }
-        if watch != self.settings.watch {
-            self.settings.watch = watch;
-            self.look_after(ui.ctx());
-        }
-        asked
     }
 
     /// What is to be remembered, but for the window's place.
@@ -423,9 +348,9 @@ impl App {
         }
         if let Some(document) = &self.document {
             if let Some(place) = self.canvas.place.filter(|_| !self.alone) {
-                self.pixel.overlay(ui, document, place, space);
+                self.panels.pixel.overlay(ui, document, place, space);
             }
-            method::banner(ui, &document.params, space);
+            banner(ui, &document.params, space);
         }
         if ui.input(|i| !i.raw.hovered_files.is_empty()) {
             widgets::drop_target(ui, space);
@@ -444,67 +369,6 @@ impl App {
         if !stays {
             self.notice = None;
         }
-    }
-
-    /// What is compared in this frame, if there are two pictures.
-    fn versus(&mut self, ctx: &Context) -> Option<Versus> {
-        let (document, render) = (self.document.as_ref()?, self.render.as_ref()?);
-        let compare = &mut self.compare;
-        let first = compare.first_frozen().map(|f| f.snapshot.clone());
-        let back = first.is_none() && self.substituted;
-        if let Some(first) = first.as_ref().or(render.newest.as_ref().filter(|_| back)) {
-            self.canvas.put(0, first, document);
-        }
-        self.substituted = first.is_some();
-        let traced = render.beside().cloned();
-        let second = compare.second_frozen().map(|f| f.snapshot.clone()).or(traced);
-        let Some(second) = second.filter(|_| compare.on) else {
-            self.canvas.alone();
-            return None;
-        };
-        self.canvas.put(1, &second, document);
-        let first = first.or_else(|| render.newest.clone())?;
-        let answer = compare.compared(ctx, document, &first, &second);
-        let difference = answer.and_then(|answer| answer.image.clone());
-        let names = compare.names(document);
-        Some(Versus { layout: compare.layout, names, difference })
-    }
-
-    /// Other workers for the same document. The old ones end in the background, with their tile.
-    fn set_threads(&mut self, ctx: &Context, threads: usize) {
-        let Some(document) = &self.document else { return };
-        match Render::start(ctx, document, threads, self.settings.switching, None) {
-            Ok(render) => {
-                self.threads = threads;
-                self.replace_render(render);
-            }
-            Err(why) => self.notice = Some(Notice::error(why.to_string())),
-        }
-    }
-
-    pub(super) fn replace_render(&mut self, render: Render) {
-        let old = self.render.replace(render);
-        // Without a thread for it its workers are waited for here.
-        let _ = std::thread::Builder::new().spawn(move || drop(old));
-    }
-
-    /// Tells the renderer what changed, and remembers what was before for undo.
-    fn tell(&mut self, ctx: &Context) {
-        let (Some(document), Some(render)) = (&mut self.document, &mut self.render) else { return };
-        if document.params != *render.told() {
-            // A change is to be seen, and a paused renderer would show nothing of it.
-            document.paused = false;
-        }
-        if let Err(why) = render.tell(document) {
-            self.notice = Some(Notice::error(why.to_string()));
-            document.params = render.told().clone();
-        }
-        if let Err(why) = render.tell_beside(self.compare.beside(ctx, document)) {
-            self.notice = Some(Notice::error(why.to_string()));
-            self.compare.on = false;
-        }
-        let (now, down) = ctx.input(|i| (i.time, i.pointer.any_down()));
-        document.note(now, down);
     }
 }
 

@@ -1,11 +1,13 @@
 //! The one table of what can be done by key: shortcuts, tooltips and the help are made from it.
 
+use crate::viewer::settings::Switching;
 use burnish::brdf::Model;
+use burnish::scene::builtin::Example;
 use egui::os::OperatingSystem;
 use egui::{Context, Key, KeyboardShortcut, ModifierNames, Modifiers};
 
 /// Something a key or a button does at once.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Action {
     Model(Model),
     Smoother,
@@ -46,6 +48,16 @@ pub(super) enum Action {
     Export,
     /// Goes on with the picture in the file that is compared with. It has a button under "Compare".
     Resume,
+    /// Opens a shipped scene, or one of those opened last by its place among them. The menu of scenes has
+    /// them.
+    OpenExample(&'static Example),
+    OpenRecent(usize),
+    /// Other workers: their number, 0 for one a core.
+    Threads(usize),
+    /// Whether changed files are read again.
+    Watch(bool),
+    /// What happens to a picture when another is wanted.
+    Switching(Switching),
 }
 
 /// One line of the table.

@@ -8,11 +8,14 @@
 
 mod actions;
 mod app;
+mod comparing;
 mod document;
 mod effort;
 mod jobs;
 mod keys;
 mod opening;
+mod orders;
+mod overlays;
 mod panels;
 mod picture;
 mod render;
@@ -20,6 +23,7 @@ mod settings;
 mod sheet;
 mod smoke;
 mod style;
+mod title;
 mod window;
 
 #[cfg(test)]

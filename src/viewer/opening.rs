@@ -8,8 +8,7 @@ use crate::viewer::jobs::load::{Failed, Loaded, Loading, Source};
 use crate::viewer::jobs::reference;
 use crate::viewer::jobs::resume::{self, Resumed};
 use crate::viewer::jobs::watch::Watch;
-use crate::viewer::panels::compare::Frozen;
-use crate::viewer::panels::notice::Notice;
+use crate::viewer::overlays::notice::Notice;
 use crate::viewer::render::Render;
 use burnish::picture::Tone;
 use burnish::progressive::ExperimentError;
@@ -17,16 +16,6 @@ use egui::Context;
 use std::path::PathBuf;
 
 impl App {
-    /// Compares with a picture from a file. One that follows the window takes on its size: pictures of
-    /// different sizes can't be compared.
-    pub(super) fn compare_with(&mut self, frozen: Frozen) {
-        let size = frozen.snapshot.grid.size;
-        if let Some(document) = self.document.as_mut().filter(|d| d.follow) {
-            (document.follow, document.params.size) = (false, size);
-        }
-        self.compare.take_file(frozen);
-    }
-
     pub(super) fn load(&mut self, ctx: &Context, source: Source, again: bool) {
         if let Some(path) = source.path().filter(|path| reference::is_for(path)) {
             match reference::start(ctx, path.to_path_buf()) {
@@ -107,8 +96,8 @@ impl App {
         match Render::start(ctx, &document, self.threads, switching, experiment) {
             Ok(render) => {
                 self.replace_render(render);
+                document.comparison.on = false;
                 self.adopt(document, false);
-                self.compare.on = false;
                 let how = if sums { "Goes on after" } else { "Traced again, to go on after" };
                 self.notice = Some(Notice::news(format!("{how} {passes} passes")));
             }
@@ -141,6 +130,9 @@ impl App {
         let waits = |n: &Notice| self.missed.as_ref().is_some_and(|m| m.why == n.text);
         self.notice = self.notice.take().filter(waits);
         self.document = Some(document);
+        if let Some(frozen) = self.early.take() {
+            self.compare_with(frozen);
+        }
     }
 
     /// Tells why there is no scene. What was shown stays, and is looked after as before. All that

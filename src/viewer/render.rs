@@ -51,9 +51,7 @@ pub(super) struct Render {
     /// From the last change to its first pixels.
     pub(super) latency: Option<Duration>,
     /// The newest picture, of whichever epoch.
-    pub(super) newest: Option<Snapshot>,
-    /// How the errors of the pictures fell.
-    pub(super) errors: Curves,
+    pub(super) newest: Option<Arc<Snapshot>>,
     /// Set while the first picture after a change is awaited.
     awaited: Arc<AtomicBool>,
     /// From one picture to the next.
@@ -111,7 +109,6 @@ impl Render {
             changed: Instant::now(),
             latency: None,
             newest: None,
-            errors: Curves::default(),
             awaited,
             pace: FRAME,
             drawing: 0.0,
@@ -217,19 +214,19 @@ impl Render {
         self.current().is_some_and(reached) || self.time_is_up()
     }
 
-    /// Takes the newest picture, if there is a new one.
-    pub(super) fn drain(&mut self) -> bool {
+    /// Takes the newest picture, if there is a new one, and notes its error.
+    pub(super) fn drain(&mut self, errors: &mut Curves) -> bool {
         if let Some(beside) = self.session.latest_beside() {
             self.newest_beside = Some(beside).filter(|s| s.epoch == self.beside_epoch);
             if let (Some(params), Some(snapshot)) = (&self.beside, &self.newest_beside) {
-                self.errors.note(params, snapshot);
+                errors.note(params, snapshot);
             }
         }
         let Some(snapshot) = self.session.latest() else { return false };
         if snapshot.epoch >= self.epoch {
-            self.errors.note(&self.told, &snapshot);
+            errors.note(&self.told, &snapshot);
         }
-        self.newest = Some(snapshot);
+        self.newest = Some(Arc::new(snapshot));
         let looks = |s: &Snapshot| s.state == State::Done && s.passes >= self.limit;
         if self.goal.stop == Stop::Error && self.current().is_some_and(looks) {
             self.aim(self.goal);
@@ -238,8 +235,8 @@ impl Render {
     }
 
     /// What is known of the way to the goal.
-    pub(super) fn outlook(&self) -> Outlook {
-        let curve = self.errors.of(&self.told).filter(|_| self.current().is_some());
+    pub(super) fn outlook(&self, errors: &Curves) -> Outlook {
+        let curve = errors.of(&self.told).filter(|_| self.current().is_some());
         Outlook { trend: curve.and_then(|c| Trend::of(&c.estimated)), look: self.limit }
     }
 
@@ -270,7 +267,7 @@ impl Render {
 
     /// The newest picture, if it is one of the present parameters.
     pub(super) fn current(&self) -> Option<&Snapshot> {
-        self.newest.as_ref().filter(|s| s.epoch >= self.epoch)
+        self.newest.as_deref().filter(|s| s.epoch >= self.epoch)
     }
 
     /// Whether the clock has to be looked at often, for the workers don't.

@@ -27,7 +27,7 @@ pub(super) struct Settings {
 }
 
 /// What happens to a picture when another is wanted.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Switching {
     /// Memory for pictures that may be wanted again, in MiB.
     pub(super) keep: u64,

@@ -4,7 +4,7 @@ use crate::viewer::app::App;
 use crate::viewer::document::Shown;
 use crate::viewer::jobs::save::plain;
 use crate::viewer::jobs::sheet::{MakingSheet, News, SheetJob};
-use crate::viewer::panels::notice::Notice;
+use crate::viewer::overlays::notice::Notice;
 use burnish::progressive::{Params, Sheet};
 use egui::Context;
 

@@ -1,18 +1,24 @@
 //! What the window shows and what its controls change: the one truth that all panels share.
 
 pub(crate) mod command;
+pub(crate) mod comparison;
 pub(crate) mod dropped;
 pub(crate) mod errors;
 pub(crate) mod exposures;
 pub(crate) mod goal;
 pub(crate) mod history;
+pub(crate) mod live;
 pub(crate) mod recent;
 pub(crate) mod trend;
 
+use crate::viewer::document::comparison::Comparison;
+use crate::viewer::document::errors::Curves;
 use crate::viewer::document::goal::{Goal, Stop};
 use crate::viewer::document::history::{History, State};
+use crate::viewer::document::live::Live;
 use crate::viewer::jobs::load::{Loaded, Source};
 use crate::viewer::jobs::watch::Stamp;
+use crate::viewer::picture::maps::Layer;
 use crate::viewer::picture::orbit::Subject;
 use burnish::brdf::Roughness;
 use burnish::picture::Tone;
@@ -46,6 +52,14 @@ pub(crate) struct Document {
     pub(crate) only_picked: bool,
     /// The pixel last clicked: column and row from the top left.
     pub(crate) asked: Option<[u32; 2]>,
+    /// The picture itself, or a map of it.
+    pub(crate) layer: Layer,
+    /// What it is compared with.
+    pub(crate) comparison: Comparison,
+    /// How the errors of its pictures fell.
+    pub(crate) errors: Curves,
+    /// What panels read besides.
+    pub(crate) live: Live,
     history: History<Settings>,
 }
 
@@ -97,8 +111,8 @@ pub(crate) enum Shown {
 }
 
 impl Document {
-    /// A scene as it was read, with its own exposure. Model, method, goal and curve stay those of the
-    /// scene before, of which the first has none; and so does a camera that was moved when the same
+    /// A scene as it was read, with its own exposure. Model, method, goal, curve, layer and comparison stay
+    /// those of the scene before, of which the first has none; and so does a camera that was moved when the same
     /// scene is read again.
     pub(crate) fn open(
         loaded: Loaded,
@@ -135,6 +149,10 @@ impl Document {
             picked: None,
             only_picked: false,
             asked,
+            layer: before.map_or(Layer::default(), |b| b.layer),
+            comparison: before.map_or(Comparison::default(), |b| b.comparison.clone()),
+            errors: Curves::default(),
+            live: Live::default(),
             history: History::new(settings),
         }
     }

@@ -1,7 +1,7 @@
 //! Reading an OpenEXR picture in the background, to be compared with.
 
+use crate::viewer::document::comparison::Frozen;
 use crate::viewer::jobs::reading::Reading;
-use crate::viewer::panels::compare::Frozen;
 use crate::viewer::picture::frozen;
 use burnish::picture::{read_exr_part, read_recipe};
 use burnish::progressive::Recipe;

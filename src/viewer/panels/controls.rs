@@ -3,7 +3,8 @@
 use crate::viewer::document::goal::{Goal, Stop};
 use crate::viewer::document::{Document, Shown};
 use crate::viewer::keys::{self, Action};
-use crate::viewer::panels::energy::Energy;
+use crate::viewer::panels::Panel;
+use crate::viewer::panels::energy::EnergyOfLobe;
 use crate::viewer::style::labels;
 use crate::viewer::style::number_field::{NumberField, Written};
 use crate::viewer::style::numbers::digits;
@@ -14,23 +15,20 @@ use burnish::brdf::{Model, Roughness};
 use burnish::progressive::Session;
 use egui::{Button, Response, RichText, Slider, TextStyle, Ui};
 
-pub(crate) struct Controls;
+#[derive(Default)]
+pub(crate) struct Controls {
+    energy: EnergyOfLobe,
+}
 
-impl Controls {
-    /// Draws them; changes the document, and returns what a button asked for.
-    pub(crate) fn ui(
-        &mut self,
-        ui: &mut Ui,
-        document: &mut Document,
-        energy: &mut Energy,
-    ) -> Option<Action> {
-        let asked = model(ui, document);
+impl Panel for Controls {
+    fn ui(&mut self, ui: &mut Ui, document: &mut Document, actions: &mut Vec<Action>) {
+        actions.extend(model(ui, document));
         ui.add_space(theme::GAP);
-        roughness(ui, document, energy);
+        roughness(ui, document, &mut self.energy);
         widgets::rule(ui);
         stop_at(ui, document);
-        let asked = asked.or(run(ui, document));
-        asked.or(history(ui, document))
+        actions.extend(run(ui, document));
+        actions.extend(history(ui, document));
     }
 }
 
@@ -40,7 +38,7 @@ fn model(ui: &mut Ui, document: &Document) -> Option<Action> {
     widgets::segmented(ui, Weight::Strong, chosen, &entries).map(|i| Action::Model(Model::ALL[i]))
 }
 
-fn roughness(ui: &mut Ui, document: &mut Document, energy: &mut Energy) {
+fn roughness(ui: &mut Ui, document: &mut Document, energy: &mut EnergyOfLobe) {
     let shown = document.roughness();
     let edited = document.roughness_is_edited();
     let mut reset = false;
@@ -77,7 +75,7 @@ fn roughness(ui: &mut Ui, document: &mut Document, energy: &mut Energy) {
     let fields = |ui: &mut Ui| slider(ui, &label, idle);
     let wanted = ui.add_enabled_ui(value.is_some(), fields).inner;
     match value {
-        Some(value) => energy.of_lobe(ui, document.params.model, value),
+        Some(value) => energy.line(ui, document.params.model, value),
         None => {
             let words = "No specular lobe here (Ks = 0): roughness has no effect";
             ui.label(RichText::new(words).weak().small());

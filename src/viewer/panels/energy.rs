@@ -1,4 +1,4 @@
-//! What the model does to energy, beside the slider and among the scene's remarks.
+//! What the model does to energy: a part of the controls and one of the scene's report.
 
 use crate::viewer::document::Document;
 use crate::viewer::jobs::background::Background;
@@ -9,27 +9,40 @@ use burnish::scene::Material;
 use egui::{Label, RichText, Ui};
 use std::sync::Arc;
 
-pub(crate) struct Energy {
-    lobe: Background<(Model, Roughness), LobeEnergy>,
-    scene: Background<(Model, Arc<Vec<Material>>), Vec<String>>,
+/// The line below the slider.
+pub(crate) struct EnergyOfLobe {
+    found: Background<(Model, Roughness), LobeEnergy>,
 }
 
-/// So many remarks are shown; the rest is counted.
+/// The remarks on materials that reflect more than arrives.
+pub(crate) struct EnergyOfScene {
+    found: Background<(Model, Arc<Vec<Material>>), Vec<String>>,
+}
+
+/// Remarks that are shown at most; the rest is counted.
 const MOST: usize = 6;
 
-impl Energy {
-    pub(crate) fn new() -> Energy {
-        Energy {
-            lobe: Background::new(|&(model, roughness)| LobeEnergy::of(model, roughness)),
-            scene: Background::new(|(model, materials)| {
+impl Default for EnergyOfLobe {
+    fn default() -> EnergyOfLobe {
+        let of = |&(model, roughness): &(Model, Roughness)| LobeEnergy::of(model, roughness);
+        EnergyOfLobe { found: Background::new(of) }
+    }
+}
+
+impl Default for EnergyOfScene {
+    fn default() -> EnergyOfScene {
+        EnergyOfScene {
+            found: Background::new(|(model, materials)| {
                 remarks(materials, *model).iter().map(ToString::to_string).collect()
             }),
         }
     }
+}
 
-    /// What the lobe alone loses at the slider's roughness.
-    pub(crate) fn of_lobe(&mut self, ui: &mut Ui, model: Model, roughness: Roughness) {
-        let known = self.lobe.ask(ui.ctx(), &(model, roughness));
+impl EnergyOfLobe {
+    /// Draws what the lobe alone loses at the slider's roughness.
+    pub(crate) fn line(&mut self, ui: &mut Ui, model: Model, roughness: Roughness) {
+        let known = self.found.ask(ui.ctx(), &(model, roughness));
         // The figure before stands until the new one is there, milliseconds later; before the first
         // one its place is kept, or every control below would move under the pointer.
         let Some((energy, _)) = known else {
@@ -50,11 +63,13 @@ impl Energy {
         let words = format!("Energy lost {}{gain} (albedo {albedo})", percent(loss));
         ui.label(RichText::new(words).weak().small()).on_hover_text(tip);
     }
+}
 
-    /// The materials that reflect more than arrives.
-    pub(crate) fn of_scene(&mut self, ui: &mut Ui, document: &Document) {
+impl EnergyOfScene {
+    /// Draws them, and counts those that are too many.
+    pub(crate) fn lines(&mut self, ui: &mut Ui, document: &Document) {
         let question = (document.params.model, document.params.materials.clone());
-        let Some((remarks, _)) = self.scene.ask(ui.ctx(), &question) else { return };
+        let Some((remarks, _)) = self.found.ask(ui.ctx(), &question) else { return };
         for remark in remarks.iter().take(MOST) {
             ui.add(Label::new(RichText::new(remark).weak()).wrap());
         }

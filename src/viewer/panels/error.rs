@@ -11,9 +11,8 @@ use crate::viewer::document::errors::{Curve, Curves, History, Point, csv, name};
 use crate::viewer::document::goal::Stop;
 use crate::viewer::jobs::save::{Plot, plain};
 use crate::viewer::keys::Action;
-use crate::viewer::panels::compare::Compare;
+use crate::viewer::panels::Panel;
 use crate::viewer::panels::export::{Content, Exports};
-use crate::viewer::render::Render;
 use crate::viewer::style::labels;
 use crate::viewer::style::numbers::{digits, percent};
 use crate::viewer::style::theme;
@@ -31,6 +30,7 @@ const OTHERS: usize = 4;
 /// Height of what is told of the figures' origin, in points: two lines of small type.
 const CAPTION: f32 = 30.0;
 
+#[derive(Default)]
 pub(crate) struct ErrorPanel {
     distances: Distances,
     /// The time whose values are told, in seconds, while the pointer or the keyboard is there.
@@ -44,36 +44,27 @@ struct Row<'a> {
     curve: Option<&'a Curve>,
 }
 
-impl ErrorPanel {
-    pub(crate) fn new() -> ErrorPanel {
-        ErrorPanel { distances: Distances::new(), cursor: None, exports: Exports::default() }
-    }
-
-    /// Draws the section. Costs nothing while it is closed.
-    pub(crate) fn ui(
-        &mut self,
-        ui: &mut Ui,
-        document: &Document,
-        render: &mut Render,
-        compare: &Compare,
-        actions: &mut Vec<Action>,
-    ) {
+impl Panel for ErrorPanel {
+    /// Costs nothing while it is closed.
+    fn ui(&mut self, ui: &mut Ui, document: &mut Document, actions: &mut Vec<Action>) {
         self.exports.receive(actions);
-        let error = render.current().and_then(|s| s.error);
+        let newest = document.live.current().cloned();
+        let error = newest.as_ref().and_then(|s| s.error);
         let badge = error.map(|e| Badge { text: told(e.relative.value, e.reliable), warns: false });
         widgets::section(ui, "error", labels::ERRORS, badge, false, |ui| {
-            let newest = render.current().cloned();
-            self.distances.choose(ui, compare);
-            self.distances.ask(ui.ctx(), &document.params, newest.as_ref(), &mut render.errors);
-            self.body(ui, document, &render.errors, newest.as_ref(), actions);
+            self.distances.choose(ui, &document.comparison);
+            let Document { params, errors, .. } = document;
+            self.distances.ask(ui.ctx(), params, newest.as_deref(), errors);
+            self.body(ui, document, newest.as_deref(), actions);
         });
     }
+}
 
+impl ErrorPanel {
     fn body(
         &mut self,
         ui: &mut Ui,
         document: &Document,
-        curves: &Curves,
         newest: Option<&Snapshot>,
         actions: &mut Vec<Action>,
     ) {
@@ -82,11 +73,11 @@ impl ErrorPanel {
             Some(_) => self.distances.words(),
         };
         caption(ui, &words);
-        let params = &document.params;
+        let Document { params, errors: curves, .. } = document;
         let rows = rows(curves, params);
         let goal = (document.goal.stop == Stop::Error).then_some(document.goal.error);
         let plot = draw::Plot { rows: &rows, shown: params, goal };
-        let place = plot.ui(ui, &mut self.cursor);
+        let place = plot.draw(ui, &mut self.cursor);
         let against = self.distances.is_chosen();
         table(ui, &rows, params, self.cursor, against);
         ui.add_space(theme::GAP);
@@ -96,7 +87,7 @@ impl ErrorPanel {
             0 => Content::Copied(csv(&curves.of_view(params), params)),
             _ => Content::File(Plot::Errors(svg::panel(&rows, params))),
         };
-        self.exports.ui(ui, controls, stem, place, content, actions);
+        self.exports.buttons(ui, controls, stem, place, content, actions);
     }
 }
 

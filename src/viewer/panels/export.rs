@@ -33,7 +33,7 @@ pub(crate) struct Exports {
 impl Exports {
     /// Draws the buttons: what they are called, and what a press of each of the first two gives.
     /// The third takes a picture of the plot's place.
-    pub(crate) fn ui(
+    pub(crate) fn buttons(
         &mut self,
         ui: &mut Ui,
         controls: [&Control; 3],

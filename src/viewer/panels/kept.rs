@@ -1,6 +1,10 @@
 //! The section "Kept pictures": what is kept of models and roughnesses that were left, and what is seen
 //! while one follows another.
 
+use crate::viewer::document::Document;
+use crate::viewer::document::live::Live;
+use crate::viewer::keys::Action;
+use crate::viewer::panels::Panel;
 use crate::viewer::settings::Switching;
 use crate::viewer::style::labels::{self, Control};
 use crate::viewer::style::number_field::{NumberField, Written};
@@ -9,11 +13,13 @@ use burnish::limits::Bytes;
 use burnish::progressive::KeptPictures;
 use egui::Ui;
 
+#[derive(Default)]
 pub(crate) struct KeptPanel;
 
-impl KeptPanel {
-    /// Draws the section; changes the settings.
-    pub(crate) fn ui(&mut self, ui: &mut Ui, kept: KeptPictures, switching: &mut Switching) {
+impl Panel for KeptPanel {
+    fn ui(&mut self, ui: &mut Ui, document: &mut Document, actions: &mut Vec<Action>) {
+        let Live { kept, switching: before, .. } = document.live;
+        let mut switching = before;
         let badge = Badge { text: kept.pictures.to_string(), warns: false };
         widgets::section(ui, "kept", "Kept pictures", Some(badge), false, |ui| {
             let KeptPictures { pictures, bytes } = kept;
@@ -26,6 +32,9 @@ impl KeptPanel {
             ui.checkbox(&mut switching.refine, labels::REFINE.name)
                 .on_hover_text(labels::REFINE.tip);
         });
+        if switching != before {
+            actions.push(Action::Switching(switching));
+        }
     }
 }
 

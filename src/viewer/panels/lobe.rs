@@ -6,6 +6,7 @@ use crate::viewer::document::{Document, Shown};
 use crate::viewer::jobs::background::Background;
 use crate::viewer::jobs::save::Plot;
 use crate::viewer::keys::Action;
+use crate::viewer::panels::Panel;
 use crate::viewer::panels::export::{Content, Exports};
 use crate::viewer::style::labels;
 use crate::viewer::style::numbers::digits;
@@ -52,8 +53,8 @@ struct Question {
     theta_o: f64,
 }
 
-impl LobePanel {
-    pub(crate) fn new() -> LobePanel {
+impl Default for LobePanel {
+    fn default() -> LobePanel {
         LobePanel {
             quantity: Quantity::default(),
             // What models differ in is small where the lobe is high.
@@ -67,15 +68,19 @@ impl LobePanel {
             exports: Exports::default(),
         }
     }
+}
 
+impl Panel for LobePanel {
     /// Costs nothing while it is closed.
-    pub(crate) fn ui(&mut self, ui: &mut Ui, document: &mut Document, actions: &mut Vec<Action>) {
+    fn ui(&mut self, ui: &mut Ui, document: &mut Document, actions: &mut Vec<Action>) {
         self.exports.receive(actions);
         widgets::section(ui, "lobes", labels::LOBES, None, false, |ui| {
             self.body(ui, document, actions);
         });
     }
+}
 
+impl LobePanel {
     fn body(&mut self, ui: &mut Ui, document: &Document, actions: &mut Vec<Action>) {
         let (Shown::Same(roughness) | Shown::Mixed(roughness)) = document.roughness() else {
             ui.weak("No specular lobe here (Ks = 0): there is none to draw.");
@@ -106,7 +111,7 @@ impl LobePanel {
             0 => Content::Copied(curves.csv()),
             _ => Content::File(Plot::Lobes(curves.clone(), style)),
         };
-        self.exports.ui(ui, controls, stem(curves), plot, content, actions);
+        self.exports.buttons(ui, controls, stem(curves), plot, content, actions);
     }
 
     fn choices(&mut self, ui: &mut Ui, document: &Document) {

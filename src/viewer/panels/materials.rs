@@ -1,6 +1,8 @@
 //! The scene's materials: pick one to edit it.
 
 use crate::viewer::document::{Document, has_lobe};
+use crate::viewer::keys::Action;
+use crate::viewer::panels::Panel;
 use crate::viewer::style::material_fields;
 use crate::viewer::style::numbers::digits;
 use crate::viewer::style::subscript;
@@ -30,8 +32,8 @@ pub(crate) struct Materials {
     drawn: Range<usize>,
 }
 
-impl Materials {
-    pub(crate) fn ui(&mut self, ui: &mut Ui, document: &mut Document) {
+impl Panel for Materials {
+    fn ui(&mut self, ui: &mut Ui, document: &mut Document, _: &mut Vec<Action>) {
         let count = document.params.materials.len().to_string();
         let count = widgets::Badge { text: count, warns: false };
         widgets::section(ui, "materials", "Materials", Some(count), true, |ui| {
@@ -43,7 +45,9 @@ impl Materials {
             material_fields::fields(ui, document);
         });
     }
+}
 
+impl Materials {
     fn list(&mut self, ui: &mut Ui, document: &mut Document, height: f32) {
         let materials = &document.params.materials;
         let order = order(materials);

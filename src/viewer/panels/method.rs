@@ -1,17 +1,20 @@
 //! How light is sampled, and the mistakes that can be made on purpose.
 
 use crate::viewer::document::Document;
+use crate::viewer::keys::Action;
+use crate::viewer::panels::Panel;
 use crate::viewer::style::labels;
 use crate::viewer::style::theme;
 use crate::viewer::style::widgets::{self, Badge, Weight};
 use burnish::brdf::{Erratum, Model, Normals};
 use burnish::progressive::{Params, Strategy};
-use egui::{Align2, Area, ComboBox, Frame, Id, Margin, Order, Rect, RichText, Ui, vec2};
+use egui::{ComboBox, Ui};
 
+#[derive(Default)]
 pub(crate) struct MethodPanel;
 
-impl MethodPanel {
-    pub(crate) fn ui(&mut self, ui: &mut Ui, document: &mut Document) {
+impl Panel for MethodPanel {
+    fn ui(&mut self, ui: &mut Ui, document: &mut Document, _: &mut Vec<Action>) {
         let params = &mut document.params;
         widgets::section(ui, "method", "Sampling", None, false, |ui| {
             strategy(ui, params);
@@ -20,30 +23,6 @@ impl MethodPanel {
         let badge = params.erratum.map(|e| Badge { text: e.name().to_owned(), warns: true });
         widgets::section(ui, "bugs", "Deliberate bugs", badge, false, |ui| erratum(ui, params));
     }
-}
-
-/// The line over the picture's head while a mistake is on.
-pub(crate) fn banner(ui: &Ui, params: &Params, space: Rect) {
-    let Some(erratum) = params.erratum else { return };
-    let acts = erratum.concerns(params.model);
-    let words = if acts {
-        format!("WRONG ON PURPOSE: {}", erratum.title())
-    } else {
-        format!("{}: no effect on {}", erratum.title(), params.model.title())
-    };
-    let fill = if acts { theme::ALARM } else { ui.visuals().panel_fill };
-    let colour = if acts { egui::Color32::WHITE } else { ui.visuals().text_color() };
-    Area::new(Id::unique("erratum"))
-        .order(Order::Middle)
-        .interactable(false)
-        .pivot(Align2::CENTER_TOP)
-        .fixed_pos(space.center_top() + vec2(0.0, theme::GROUP))
-        .show(ui.ctx(), |ui| {
-            let frame = Frame::new().fill(fill).corner_radius(theme::RADIUS);
-            frame.inner_margin(Margin::symmetric(12, 6)).show(ui, |ui| {
-                ui.label(RichText::new(words).strong().color(colour));
-            });
-        });
 }
 
 fn erratum(ui: &mut Ui, params: &mut Params) {

@@ -7,6 +7,7 @@ mod path;
 use crate::viewer::document::Document;
 use crate::viewer::jobs::background::Background;
 use crate::viewer::keys::Action;
+use crate::viewer::panels::Panel;
 use crate::viewer::panels::lobe::luminance;
 use crate::viewer::style::labels;
 use crate::viewer::style::number_field::{NumberField, Written};
@@ -51,8 +52,8 @@ struct Answer {
     model: Model,
 }
 
-impl PixelPanel {
-    pub(crate) fn new() -> PixelPanel {
+impl Default for PixelPanel {
+    fn default() -> PixelPanel {
         PixelPanel {
             samples: SAMPLES,
             theta_i: None,
@@ -61,14 +62,18 @@ impl PixelPanel {
             shown: None,
         }
     }
+}
 
+impl Panel for PixelPanel {
     /// Costs nothing while it is closed.
-    pub(crate) fn ui(&mut self, ui: &mut Ui, document: &mut Document, _: &mut Vec<Action>) {
+    fn ui(&mut self, ui: &mut Ui, document: &mut Document, _: &mut Vec<Action>) {
         self.shown = None;
         let badge = document.asked.map(|[x, y]| Badge { text: format!("{x}, {y}"), warns: false });
         widgets::section(ui, "pixel", labels::PIXEL, badge, false, |ui| self.body(ui, document));
     }
+}
 
+impl PixelPanel {
     fn body(&mut self, ui: &mut Ui, document: &mut Document) {
         self.question(ui, document);
         let Some(pixel) = document.asked else {
@@ -100,7 +105,7 @@ impl PixelPanel {
                 heading(ui, "Directions taken at the first surface", labels::DIRECTIONS_TIP);
                 draw::directions(ui, curves, answer.model, &answer.report.directions);
             }
-            light::ui(ui, &answer.report);
+            light::draw(ui, &answer.report);
             heading(ui, "The brightest sample, vertex by vertex", labels::BRIGHTEST_TIP);
             ui.checkbox(&mut self.draws_path, labels::DRAW_PATH.name)
                 .on_hover_text(labels::DRAW_PATH.tip);

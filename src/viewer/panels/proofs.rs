@@ -2,6 +2,8 @@
 
 use crate::viewer::document::{Document, Shown};
 use crate::viewer::jobs::background::Background;
+use crate::viewer::keys::Action;
+use crate::viewer::panels::Panel;
 use crate::viewer::style::numbers::digits;
 use crate::viewer::style::theme;
 use crate::viewer::style::widgets;
@@ -12,19 +14,23 @@ pub(crate) struct Proofs {
     tried: Background<Subject, Result<Vec<Proof>, String>>,
 }
 
-impl Proofs {
-    pub(crate) fn new() -> Proofs {
+impl Default for Proofs {
+    fn default() -> Proofs {
         // One thread: the picture wants the others.
         let prove =
             |subject: &Subject| prove(*subject, Effort::Quick, 1).map_err(|e| e.to_string());
         Proofs { tried: Background::new(prove) }
     }
+}
 
+impl Panel for Proofs {
     /// Costs nothing while it is closed.
-    pub(crate) fn ui(&mut self, ui: &mut Ui, document: &Document) {
+    fn ui(&mut self, ui: &mut Ui, document: &mut Document, _: &mut Vec<Action>) {
         widgets::section(ui, "proofs", "Checks", None, false, |ui| self.table(ui, document));
     }
+}
 
+impl Proofs {
     fn table(&mut self, ui: &mut Ui, document: &Document) {
         let (Shown::Same(roughness) | Shown::Mixed(roughness)) = document.roughness() else {
             ui.weak("No specular lobe here (Ks = 0): there is nothing to check.");

@@ -2,24 +2,21 @@
 
 use crate::viewer::document::Document;
 use crate::viewer::keys::{self, Action};
-use crate::viewer::panels::energy::Energy;
+use crate::viewer::panels::Panel;
+use crate::viewer::panels::energy::EnergyOfScene;
 use crate::viewer::style::labels;
 use crate::viewer::style::theme;
 use crate::viewer::style::widgets;
 use burnish::scene::Warning;
 use egui::{Label, RichText, Ui};
 
-pub(crate) struct ReportPanel;
+#[derive(Default)]
+pub(crate) struct ReportPanel {
+    energy: EnergyOfScene,
+}
 
-impl ReportPanel {
-    /// Draws the section; `watch` is whether changed files are read again.
-    pub(crate) fn ui(
-        &mut self,
-        ui: &mut Ui,
-        document: &Document,
-        energy: &mut Energy,
-        watch: &mut bool,
-    ) -> Option<Action> {
+impl Panel for ReportPanel {
+    fn ui(&mut self, ui: &mut Ui, document: &mut Document, actions: &mut Vec<Action>) {
         let warnings = &document.report.warnings;
         let badge = (!warnings.is_empty()).then(|| {
             let plural = if warnings.len() == 1 { "" } else { "s" };
@@ -27,25 +24,28 @@ impl ReportPanel {
         });
         // The number keeps each scene's section apart: a new scene's warnings are seen once.
         let id = ("scene", document.number);
-        let asked = widgets::section(ui, id, "Scene", badge, !warnings.is_empty(), |ui| {
+        widgets::section(ui, id, "Scene", badge, !warnings.is_empty(), |ui| {
             ui.spacing_mut().item_spacing.y = 4.0;
             // First: what the model does to energy is told below it a moment later.
-            let asked = ui
-                .horizontal(|ui| {
-                    let reload = keys::binding(Action::Reload).name;
-                    let tip = keys::tooltip(ui.ctx(), Action::Reload);
-                    let pressed = ui.button(reload).on_hover_text(tip).clicked();
-                    ui.checkbox(watch, labels::WATCH.name).on_hover_text(labels::WATCH.tip);
-                    pressed.then_some(Action::Reload)
-                })
-                .inner;
+            ui.horizontal(|ui| {
+                let reload = keys::binding(Action::Reload).name;
+                let tip = keys::tooltip(ui.ctx(), Action::Reload);
+                if ui.button(reload).on_hover_text(tip).clicked() {
+                    actions.push(Action::Reload);
+                }
+                let mut watch = document.live.watch;
+                let checkbox = ui.checkbox(&mut watch, labels::WATCH.name);
+                if checkbox.on_hover_text(labels::WATCH.tip).changed() {
+                    actions.push(Action::Watch(watch));
+                }
+            });
             for warning in warnings {
                 one(ui, warning);
             }
             for note in &document.report.notes {
                 ui.add(Label::new(RichText::new(note).weak()).wrap());
             }
-            energy.of_scene(ui, document);
+            self.energy.lines(ui, document);
             let counts = document.params.scene.counts();
             let shapes = [
                 (counts.triangles, "triangle"),
@@ -58,9 +58,7 @@ impl ReportPanel {
                 .map(|(n, what)| format!("{n} {what}{}", if *n == 1 { "" } else { "s" }))
                 .collect();
             ui.weak(shapes.join(", "));
-            asked
         });
-        asked.flatten()
     }
 }
 

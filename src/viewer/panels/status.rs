@@ -1,53 +1,46 @@
 //! The one line of figures below the picture.
 
 use crate::viewer::document::Document;
-use crate::viewer::document::goal::{Outlook, Stop};
+use crate::viewer::document::goal::Stop;
+use crate::viewer::keys::Action;
+use crate::viewer::panels::Panel;
 use crate::viewer::picture::canvas::Hover;
 use crate::viewer::style::numbers::{digits, percent, short};
 use crate::viewer::style::theme;
 use burnish::progressive::{ErrorEstimate, Interval, Snapshot, State};
 use egui::{Align, Color32, Label, Layout, Rect, RichText, Ui, UiBuilder};
-use std::time::Duration;
 
+#[derive(Default)]
 pub(crate) struct Status;
 
-/// What the line speaks of, as far as there is any.
-pub(crate) struct Facts<'a> {
-    pub(crate) document: Option<&'a Document>,
-    pub(crate) snapshot: Option<&'a Snapshot>,
-    /// Whether the goal has been reached.
-    pub(crate) done: bool,
-    pub(crate) latency: Option<Duration>,
-    /// How far the goal is.
-    pub(crate) outlook: Outlook,
-    /// The pixel under the pointer.
-    pub(crate) hover: Option<&'a Hover>,
-    /// The scene being read, by name.
-    pub(crate) loading: Option<&'a str>,
-}
-
-impl Status {
-    /// The scene at the right, the progress at the left. What there is no room for is left out, the
+impl Panel for Status {
+    /// Draws the scene at the right, the progress at the left. What there is no room for is left out, the
     /// least important first.
-    pub(crate) fn ui(&mut self, ui: &mut Ui, facts: &Facts) {
+    fn ui(&mut self, ui: &mut Ui, document: &mut Document, _: &mut Vec<Action>) {
         let row = ui.max_rect();
-        let mut right = row.right();
-        if let Some(document) = facts.document {
-            right = group(ui, row, Layout::right_to_left(Align::Center), |ui| {
-                scene(ui, document);
-                warnings(ui, document);
-            })
-            .left();
-        }
+        let right = group(ui, row, Layout::right_to_left(Align::Center), |ui| {
+            scene(ui, document);
+            warnings(ui, document);
+        })
+        .left();
         let rest = Rect::from_min_max(row.min, egui::pos2(right - theme::GROUP, row.bottom()));
         group(ui, rest, Layout::left_to_right(Align::Center), |ui| {
-            if let Some(name) = facts.loading {
-                ui.add(Label::new(format!("Reading {name} ...")).truncate());
-            }
-            if let Some(document) = facts.document {
-                progress(ui, document, facts);
-            }
+            reading(ui, document.live.loading.as_deref());
+            progress(ui, document);
         });
+    }
+}
+
+/// Draws the line where there is no document yet.
+pub(crate) fn empty(ui: &mut Ui, loading: Option<&str>) {
+    let row = ui.max_rect();
+    let space = Rect::from_min_max(row.min, egui::pos2(row.right() - theme::GROUP, row.bottom()));
+    group(ui, space, Layout::left_to_right(Align::Center), |ui| reading(ui, loading));
+}
+
+fn reading(ui: &mut Ui, loading: Option<&str>) {
+    if let Some(name) = loading {
+        ui.add(Label::new(format!("Reading {name} ...")).truncate());
     }
 }
 
@@ -59,8 +52,9 @@ fn group(ui: &mut Ui, space: Rect, layout: Layout, body: impl FnOnce(&mut Ui)) -
     ui.min_rect()
 }
 
-fn progress(ui: &mut Ui, document: &Document, facts: &Facts) {
-    let passes = facts.snapshot.map_or(0, |s| s.passes);
+fn progress(ui: &mut Ui, document: &Document) {
+    let live = &document.live;
+    let passes = live.newest.as_ref().map_or(0, |s| s.passes);
     // As wide as it will get, so that what follows stays in place.
     let (text, width) = match (document.goal.stop, document.goal.passes) {
         (Stop::Passes, limit) => {
@@ -75,11 +69,11 @@ fn progress(ui: &mut Ui, document: &Document, facts: &Facts) {
         format!("{text:<width$}"),
         "Whole passes traced, of the limit: every pixel has at least this many samples.",
     );
-    let Some(snapshot) = facts.snapshot else { return };
+    let Some(snapshot) = live.newest.as_deref() else { return };
     nonfinite(ui, snapshot);
     let state = match &snapshot.state {
         State::Failed(_) => "failed",
-        _ if facts.done => "done",
+        _ if live.is_done => "done",
         State::Paused => "paused",
         State::Running if document.paused => "paused",
         State::Running | State::Done => "",
@@ -89,7 +83,7 @@ fn progress(ui: &mut Ui, document: &Document, facts: &Facts) {
     }
     let error = snapshot.error.map_or("-".to_owned(), error);
     let error = format!("rel. error {error:<23}");
-    if let Some(hover) = facts.hover {
+    if let Some(hover) = &live.hover {
         // The error stays where both have room; what may change with every pixel gives way.
         let full = &hovered(hover, snapshot.grid.size)[0];
         let gap = ui.spacing().item_spacing.x;
@@ -101,11 +95,11 @@ fn progress(ui: &mut Ui, document: &Document, facts: &Facts) {
     let seconds = snapshot.seconds;
     let rate = if seconds > 0.0 { snapshot.counts.paths as f64 / seconds } else { 0.0 };
     let rate = format!("{} paths/s", short(rate));
-    let latency = facts.latency.map_or("-".to_owned(), |l| format!("{:.0}", l.as_secs_f64() * 1e3));
+    let latency = live.latency.map_or("-".to_owned(), |l| format!("{:.0}", l.as_secs_f64() * 1e3));
     let figures = [
         (error, ERROR_TIP),
         (
-            format!("{:<19}", document.goal.ahead(snapshot, facts.outlook)),
+            format!("{:<19}", document.goal.ahead(snapshot, live.outlook)),
             "What tracing stops at, and in how many seconds of tracing that is expected: from the \
              paths traced, or, for an error, from how its upper 95 % limit has fallen so far, and \
              beyond that with the square root of the passes, up to the pass at which it is looked \
@@ -234,7 +228,7 @@ mod tests {
             again: false,
             files: Vec::new(),
         };
-        let document = Document::open(loaded, None, Default::default());
+        let mut document = Document::open(loaded, None, Default::default());
         let mut snapshot = Snapshot {
             epoch: 1,
             grid: TileGrid { size: [640, 480] },
@@ -249,20 +243,9 @@ mod tests {
             state: State::Running,
         };
         change(&mut snapshot);
-        let line = |ui: &mut Ui| {
-            let (document, snapshot) = (Some(&document), Some(&snapshot));
-            let done = snapshot.is_some_and(|s| s.state == State::Done);
-            let facts = Facts {
-                document,
-                snapshot,
-                done,
-                latency: None,
-                outlook: Outlook::default(),
-                hover: None,
-                loading: None,
-            };
-            Status.ui(ui, &facts);
-        };
+        document.live.is_done = snapshot.state == State::Done;
+        document.live.newest = Some(Arc::new(snapshot));
+        let line = |ui: &mut Ui| Status.ui(ui, &mut document, &mut Vec::new());
         let harness = Harness::builder().with_size([width, 28.0]).build_ui(line);
         let labels = harness.get_all_by_role(egui::accesskit::Role::Label);
         labels.filter_map(|node| node.value()).map(|text| text.trim_end().to_owned()).collect()

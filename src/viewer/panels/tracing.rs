@@ -2,6 +2,7 @@
 
 use crate::viewer::document::Document;
 use crate::viewer::keys::{self, Action};
+use crate::viewer::panels::Panel;
 use crate::viewer::style::labels::{self, Control};
 use crate::viewer::style::number_field::{self, NumberField, Written};
 use crate::viewer::style::numbers::percent;
@@ -62,30 +63,22 @@ impl Default for TracingPanel {
     }
 }
 
-impl TracingPanel {
-    /// Draws the section, `room` being the pixels of the screen that the picture's space has.
-    /// Returns another number of threads once one is wished for.
-    pub(crate) fn ui(
-        &mut self,
-        ui: &mut Ui,
-        document: &mut Document,
-        threads: usize,
-        room: [u32; 2],
-    ) -> Option<usize> {
-        let wanted = widgets::section(ui, "tracing", "Tracing", None, false, |ui| {
-            size(ui, document, room);
-            let whole = crop(ui, document.params.camera.crop);
+impl Panel for TracingPanel {
+    fn ui(&mut self, ui: &mut Ui, document: &mut Document, actions: &mut Vec<Action>) {
+        widgets::section(ui, "tracing", "Tracing", None, false, |ui| {
+            size(ui, document);
+            if crop(ui, document.params.camera.crop) {
+                actions.push(Action::Whole);
+            }
             seed(ui, &mut document.params);
             self.depth(ui, &mut document.params);
-            (worker_threads(ui, threads), whole)
+            let threads = worker_threads(ui, document.live.threads);
+            actions.extend(threads.map(Action::Threads));
         });
-        let (wanted, whole) = wanted.unwrap_or_default();
-        if whole {
-            document.params.camera.crop = Crop::WHOLE;
-        }
-        wanted
     }
+}
 
+impl TracingPanel {
     fn depth(&mut self, ui: &mut Ui, params: &mut Params) {
         self.depth = params.max_depth.unwrap_or(self.depth);
         let chosen = usize::from(params.max_depth.is_some());
@@ -134,7 +127,8 @@ fn number(
     response.accessible_name(control.name).on_hover_text(control.tip)
 }
 
-fn size(ui: &mut Ui, document: &mut Document, room: [u32; 2]) {
+fn size(ui: &mut Ui, document: &mut Document) {
+    let room = document.live.room;
     let Document { params, follow, .. } = document;
     let before = params.size;
     let as_read = params.scene.screen();

@@ -2,35 +2,31 @@
 
 use crate::viewer::document::Document;
 use crate::viewer::keys::{self, Action};
+use crate::viewer::panels::Panel;
 use crate::viewer::picture::maps::{self, Layer};
 use crate::viewer::style::labels;
 use crate::viewer::style::widgets::{self, Weight};
 use burnish::picture::Curve;
 use egui::{Slider, ThemePreference, Ui};
 
+#[derive(Default)]
 pub(crate) struct View;
+
+impl Panel for View {
+    fn ui(&mut self, ui: &mut Ui, document: &mut Document, actions: &mut Vec<Action>) {
+        widgets::section(ui, "view", "View", None, true, |ui| {
+            layer(ui, document);
+            exposure(ui, document);
+            curve(ui, document);
+            actions.extend(camera(ui));
+            appearance(ui);
+        });
+    }
+}
 
 impl View {
     /// Exposures that the slider reaches, in stops.
     pub(crate) const STOPS: [f32; 2] = [-10.0, 10.0];
-
-    /// Draws the section; `layer` is none where a difference takes the picture's place.
-    pub(crate) fn ui(
-        &mut self,
-        ui: &mut Ui,
-        document: &mut Document,
-        layer: Option<&mut Layer>,
-    ) -> Option<Action> {
-        let asked = widgets::section(ui, "view", "View", None, true, |ui| {
-            show(ui, layer);
-            exposure(ui, document);
-            curve(ui, document);
-            let asked = camera(ui);
-            appearance(ui);
-            asked
-        });
-        asked.flatten()
-    }
 
     /// Changes the exposure by so many stops.
     pub(crate) fn expose(document: &mut Document, stops: f32) {
@@ -39,19 +35,19 @@ impl View {
     }
 }
 
-/// Which of the layers is shown.
-fn show(ui: &mut Ui, layer: Option<&mut Layer>) {
+/// Which of the layers is shown: none where a difference takes the picture's place.
+fn layer(ui: &mut Ui, document: &mut Document) {
     widgets::field(ui, &labels::LAYER, |ui, _| {
-        let there = layer.is_some();
+        let there = !document.comparison.is_difference();
         let tip = |l| match there {
             true => maps::tip(ui.ctx(), l),
             false => labels::LAYER_NONE.to_owned(),
         };
         let entries = Layer::ALL.map(|l| (l.control().name, tip(l), there));
-        let chosen = Layer::ALL.iter().position(|&l| layer.as_deref() == Some(&l));
+        let chosen = Layer::ALL.iter().position(|&l| there && l == document.layer);
         let pressed = widgets::segmented(ui, Weight::Quiet, chosen.unwrap_or(usize::MAX), &entries);
-        if let (Some(layer), Some(i)) = (layer, pressed) {
-            *layer = Layer::ALL[i];
+        if let Some(i) = pressed.filter(|_| there) {
+            document.layer = Layer::ALL[i];
         }
     });
 }

@@ -50,7 +50,7 @@ pub(crate) struct Canvas {
     /// The picture, and the one that it is compared with.
     sides: [Side; 2],
     difference: DifferenceTexture,
-    /// What is shown of the pictures.
+    /// The colours of what is shown of the pictures.
     pub(crate) maps: FalseColour,
     /// Where the bar between the two is, as a part of the picture's width.
     pub(crate) wipe: f32,
@@ -178,7 +178,7 @@ impl Canvas {
         let room = room(spaces[0]) * pixels_per_point;
         if let Some(document) = &document {
             let options = filter(self.times(room));
-            let look = self.maps.look(document.tone, layout, &self.sides);
+            let look = self.maps.look(document.layer, document.tone, layout, &self.sides);
             for side in &mut self.sides {
                 side.refresh(ui.ctx(), look, options);
             }

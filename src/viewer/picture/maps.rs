@@ -1,8 +1,8 @@
 //! What is shown of a picture: itself, its noise, or where its samples went, the latter two in false
 //! colour.
 
+use crate::viewer::document::comparison::Layout;
 use crate::viewer::keys::{self, Action};
-use crate::viewer::panels::compare::Layout;
 use crate::viewer::picture::side::Side;
 use crate::viewer::picture::texture::{Look, PictureTexture};
 use crate::viewer::style::labels::{self, Control};
@@ -179,10 +179,9 @@ impl Layer {
     }
 }
 
-/// The layer that is chosen, with the scale that its colours have at present.
+/// The scale that a map's colours have at present.
 #[derive(Default)]
 pub(crate) struct FalseColour {
-    pub(crate) layer: Layer,
     scale: Option<Scale>,
     /// Whether tiles have come since the scale was made.
     pub(super) news: bool,
@@ -190,16 +189,22 @@ pub(crate) struct FalseColour {
 
 impl FalseColour {
     /// How tiles become colours: on one scale for both pictures.
-    pub(super) fn look(&mut self, tone: Tone, layout: Option<Layout>, sides: &[Side; 2]) -> Look {
+    pub(super) fn look(
+        &mut self,
+        layer: Layer,
+        tone: Tone,
+        layout: Option<Layout>,
+        sides: &[Side; 2],
+    ) -> Look {
         // A difference has colours of its own.
-        if self.layer == Layer::Picture || layout == Some(Layout::Difference) {
+        if layer == Layer::Picture || layout == Some(Layout::Difference) {
             self.scale = None;
             return Look::Tone(tone);
         }
-        let known = self.scale.filter(|scale| scale.layer == self.layer && !self.news);
+        let known = self.scale.filter(|scale| scale.layer == layer && !self.news);
         let scale = known.unwrap_or_else(|| {
             let textures = sides.iter().filter_map(|side| side.texture.as_ref());
-            Scale::of(self.layer, textures.flat_map(PictureTexture::tiles), self.scale)
+            Scale::of(layer, textures.flat_map(PictureTexture::tiles), self.scale)
         });
         (self.scale, self.news) = (Some(scale), false);
         Look::Map(scale)

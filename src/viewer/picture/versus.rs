@@ -2,7 +2,7 @@
 //! and what they are called.
 
 use super::side::Side;
-use crate::viewer::panels::compare::Layout;
+use crate::viewer::document::comparison::Layout;
 use crate::viewer::picture::difference;
 use crate::viewer::style::{labels, theme};
 use egui::epaint::{ColorImage, TextureHandle};

@@ -345,8 +345,8 @@ pub(crate) const CLOSE: Control = control("Close", "Closes the help.");
 /// All of them by the part of the window that they are in, as name and words: for `CONTROLS.md`.
 #[cfg(test)]
 pub(crate) fn table() -> Vec<(&'static str, Vec<(String, String)>)> {
+    use crate::viewer::document::comparison::{First, Layout};
     use crate::viewer::document::goal::Stop;
-    use crate::viewer::panels::compare::{First, Layout};
     use crate::viewer::panels::error::Against;
     use crate::viewer::panels::method;
     use crate::viewer::panels::tracing::Depth;

@@ -1,7 +1,7 @@
 //! Going back and forth between models, and two pictures against each other.
 
 use super::*;
-use crate::viewer::panels::compare::{First, Layout, Second};
+use crate::viewer::document::comparison::{First, Layout, Second};
 use burnish::picture::write;
 use burnish::progressive::render;
 
@@ -60,14 +60,14 @@ fn the_old_picture_stays_until_the_new_one_is_as_fine_as_is_asked_for() {
 
 /// What the two pictures are called.
 fn names(desk: &Desk) -> [String; 2] {
-    desk.app().compare.names(desk.doc())
+    desk.doc().comparison.names(desk.doc().params.model)
 }
 
 #[test]
 fn two_models_are_traced_in_turn_and_laid_against_each_other() {
     let mut desk = Desk::done(40);
     desk.key(Key::C);
-    assert!(desk.app().compare.on);
+    assert!(desk.doc().comparison.on);
     desk.until("the other model", |app| {
         let beside = app.render.as_ref().unwrap().beside();
         beside.is_some_and(|s| s.passes == 40)
@@ -98,7 +98,7 @@ fn two_models_are_traced_in_turn_and_laid_against_each_other() {
     {
         desk.click(label);
         desk.harness.run_ok();
-        assert_eq!(desk.app().compare.layout, layout);
+        assert_eq!(desk.doc().comparison.layout, layout);
     }
     desk.until("a verdict", |_| true);
     let start = Instant::now();
@@ -132,19 +132,16 @@ fn a_tag_and_a_file_stay_what_they_are() {
     desk.until_done(3);
     let phong = desk.shown();
     desk.key(Key::C);
-    {
-        let app = desk.harness.state_mut().as_mut().unwrap();
-        (app.compare.first, app.compare.second) = (First::Tag, Second::Model(Model::Phong));
-    }
+    desk.document(|d| {
+        d.comparison.first = First::Tag;
+        d.comparison.second = Second::Model(Model::Phong);
+    });
     desk.harness.run_ok();
     let app = desk.app();
-    assert!(app.compare.first_frozen().unwrap().snapshot.mean() == ggx);
+    assert!(app.doc().comparison.first_frozen().unwrap().snapshot.mean() == ggx);
     // The first is the tag, the second the present one.
     assert!(app.render.as_ref().unwrap().beside().unwrap().mean() != ggx);
-    {
-        let app = desk.harness.state_mut().as_mut().unwrap();
-        app.compare.first = First::Shown;
-    }
+    desk.document(|d| d.comparison.first = First::Shown);
     desk.harness.run_ok();
     desk.key(Key::C);
     desk.harness.run_ok();
@@ -155,10 +152,10 @@ fn a_tag_and_a_file_stay_what_they_are() {
     let ctx = desk.harness.ctx.clone();
     let app = desk.harness.state_mut().as_mut().unwrap();
     app.load(&ctx, Source::File(path), false);
-    desk.until("the file", |app| app.compare.file.is_some());
-    let app = desk.app();
-    assert_eq!((app.compare.on, app.compare.second), (true, Second::File));
-    assert!(app.compare.second_frozen().unwrap().snapshot.mean() == ggx);
+    desk.until("the file", |app| app.doc().comparison.file.is_some());
+    let comparison = &desk.doc().comparison;
+    assert_eq!((comparison.on, comparison.second), (true, Second::File));
+    assert!(comparison.second_frozen().unwrap().snapshot.mean() == ggx);
     assert_eq!(desk.doc().params.model, Model::Phong, "the scene stays");
     // A file that is none is told, and takes nothing away.
     let path = desk.folder.path().join("broken.exr");
@@ -168,7 +165,7 @@ fn a_tag_and_a_file_stay_what_they_are() {
     desk.until("a message", |app| {
         app.notice.as_ref().is_some_and(|n| n.text.contains("broken.exr"))
     });
-    assert!(desk.app().compare.file.is_some());
+    assert!(desk.doc().comparison.file.is_some());
 }
 
 #[test]
@@ -177,8 +174,7 @@ fn the_other_model_is_matched_by_what_is_asked_for() {
     let mut desk = Desk::done(2);
     desk.type_into("alpha", "0.231");
     desk.key(Key::C);
-    let app = desk.harness.state_mut().as_mut().unwrap();
-    app.compare.criterion = Some(Criterion::MeanSlope);
+    desk.document(|d| d.comparison.criterion = Some(Criterion::MeanSlope));
     // Beckmann's mean slope is sqrt(pi)/2 alpha, GGX's pi/2 alpha.
     let expected = 0.231 * std::f64::consts::PI.sqrt();
     desk.until("a match", |app| {

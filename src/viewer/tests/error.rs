@@ -55,8 +55,8 @@ impl Desk {
     }
 
     fn curve(&self) -> &Curve {
-        let render = self.app().render.as_ref().unwrap();
-        render.errors.of(render.told()).expect("no curve")
+        let told = self.app().render.as_ref().unwrap().told();
+        self.doc().errors.of(told).expect("no curve")
     }
 
     fn seconds(&self) -> Vec<f64> {
@@ -209,11 +209,11 @@ fn with_a_reference_the_true_error_is_told_too() {
     desk.harness.get_by_label("traced");
     let ctx = desk.harness.ctx.clone();
     desk.harness.state_mut().as_mut().unwrap().load(&ctx, Source::File(path.clone()), false);
-    desk.until("the file", |app| app.compare.file.is_some());
+    desk.until("the file", |app| app.doc().comparison.file.is_some());
     desk.key(Key::C);
     let has_truth = |app: &App| {
-        let render = app.render.as_ref().unwrap();
-        render.errors.of(render.told()).is_some_and(|c| c.truth.newest().is_some())
+        let told = app.render.as_ref().unwrap().told();
+        app.doc().errors.of(told).is_some_and(|c| c.truth.newest().is_some())
     };
     desk.until("a true error", has_truth);
     desk.until_labelled("True error against reference.exr; its own error is unknown, and included");
@@ -233,8 +233,8 @@ fn with_a_reference_the_true_error_is_told_too() {
     desk.document(|d| d.set_limit(256));
     desk.until_done(256);
     desk.until("more of it", |app| {
-        let render = app.render.as_ref().unwrap();
-        let curve = render.errors.of(render.told()).unwrap();
+        let told = app.render.as_ref().unwrap().told();
+        let curve = app.doc().errors.of(told).unwrap();
         curve.truth.newest().is_some_and(|p| p.passes == 256)
     });
     let points = desk.curve().truth.points();
@@ -263,14 +263,16 @@ fn a_tag_and_a_picture_of_another_size_as_reference_are_told_as_what_they_are() 
     let path = desk.folder.path().join("out").join("two_ggx_0001.exr");
     let ctx = desk.harness.ctx.clone();
     desk.harness.state_mut().as_mut().unwrap().load(&ctx, Source::File(path), false);
-    desk.until("the file", |app| app.compare.file.is_some());
+    desk.until("the file", |app| app.doc().comparison.file.is_some());
     desk.click_role_within("File", "Reference");
     desk.until_labelled(&format!("True error against two_ggx_0001.exr; its own error, {own}"));
     let path = desk.folder.path().join("small.exr");
     write(&path, &burnish::picture::Picture::black(8, 8), Default::default()).unwrap();
     let ctx = desk.harness.ctx.clone();
     desk.harness.state_mut().as_mut().unwrap().load(&ctx, Source::File(path), false);
-    desk.until("the file", |app| app.compare.file.as_ref().is_some_and(|f| f.name == "small.exr"));
+    desk.until("the file", |app| {
+        app.doc().comparison.file.as_ref().is_some_and(|f| f.name == "small.exr")
+    });
     desk.until_labelled("No true error against small.exr: the picture has 64x48 pixels");
 }
 
@@ -297,8 +299,8 @@ fn the_curves_are_copied_as_a_table_and_written_as_svg_and_png() {
     desk.click("Copy CSV");
     let table = desk.copied().expect("nothing on the clipboard");
     let expected = {
-        let render = desk.app().render.as_ref().unwrap();
-        let curves = render.errors.of_view(render.told());
+        let told = desk.app().render.as_ref().unwrap().told();
+        let curves = desk.doc().errors.of_view(told);
         assert_eq!(curves.len(), 2);
         curves.iter().map(|c| c.estimated.points().len()).sum::<usize>()
     };
@@ -352,7 +354,7 @@ fn the_time_that_an_error_takes_is_foreseen() {
         desk.look();
         let (outlook, newest) = {
             let render = desk.app().render.as_ref().unwrap();
-            (render.outlook(), render.newest.clone().unwrap())
+            (render.outlook(&desk.doc().errors), render.newest.clone().unwrap())
         };
         words.push(desk.doc().goal.ahead(&newest, outlook));
         if let (Some(trend), Some(error)) = (outlook.trend, newest.error)

@@ -77,7 +77,7 @@ fn escape_dismisses_one_thing_after_the_other() {
     let state = |desk: &Desk| {
         let app = desk.app();
         let told = app.notice.is_some();
-        [app.help.open, told, app.alone, app.compare.on, desk.doc().only_picked]
+        [app.help.open, told, app.alone, app.doc().comparison.on, desk.doc().only_picked]
     };
     assert_eq!(state(&desk), [true; 5]);
     for gone in 1..=5 {
@@ -100,7 +100,7 @@ fn escape_leaves_a_text_and_nothing_else() {
     desk.harness.step();
     desk.key(Key::Escape);
     desk.harness.run_ok();
-    assert!(desk.app().compare.on);
+    assert!(desk.doc().comparison.on);
     assert_eq!(desk.alpha(), before);
 }
 
@@ -288,7 +288,9 @@ fn a_snapshot_is_a_reference_and_goes_on() {
         desk.type_into("alpha", "0.05");
         open(&mut desk, &name);
         if name.ends_with("exr") {
-            desk.until("the reference", |app| app.compare.file.is_some() && app.compare.on);
+            desk.until("the reference", |app| {
+                app.doc().comparison.file.is_some() && app.doc().comparison.on
+            });
             settled(&mut desk);
             desk.click_role(Role::Button, "Resume the file");
         }
@@ -323,10 +325,12 @@ fn an_experiment_goes_on_from_its_sums() {
     desk.key(Key::Num1);
     desk.until_done(17);
     open(&mut desk, "sums.exr");
-    desk.until("the reference", |app| app.compare.file.is_some() && app.compare.on);
+    desk.until("the reference", |app| {
+        app.doc().comparison.file.is_some() && app.doc().comparison.on
+    });
     settled(&mut desk);
     desk.click_role(Role::Button, "Resume the file");
-    desk.until("the picture", |app| app.resuming.is_none() && !app.compare.on);
+    desk.until("the picture", |app| app.resuming.is_none() && !app.doc().comparison.on);
     assert!(desk.notice().starts_with("Goes on after"), "{} {passes}", desk.notice());
     desk.until_done(17);
     let whole = burnish::progressive::render(desk.doc().params.clone(), 17, 1).unwrap();

@@ -96,7 +96,7 @@ fn every_control_is_in_the_table() {
         desk.click_role(Role::Button, section);
         desk.harness.run_ok();
     }
-    desk.until("a pixel's report", |app| app.pixel.is_shown());
+    desk.until("a pixel's report", |app| app.panels.pixel.is_shown());
     desk.chord(Modifiers::CTRL | Modifiers::COMMAND, Key::O);
     desk.harness.run_ok();
     let known = known(&desk);

@@ -1,7 +1,7 @@
 //! Noise map and sample map.
 
 use super::*;
-use crate::viewer::panels::compare::Layout;
+use crate::viewer::document::comparison::Layout;
 use crate::viewer::picture::maps::{Layer, UNKNOWN};
 use burnish::film::REL_MSE_FLOOR;
 
@@ -33,7 +33,7 @@ fn the_noise_map_shows_where_the_noise_is_and_the_picture_comes_back() {
     let picture = desk.shown();
     desk.click_role(Role::Button, "Noise");
     desk.until("a map", |app| app.canvas.is_settled());
-    assert_eq!(desk.app().canvas.maps.layer, Layer::Noise);
+    assert_eq!(desk.doc().layer, Layer::Noise);
     let scale = desk.app().canvas.maps.scale().expect("no scale");
     assert!(scale.ends[0] > 1e-5 && scale.ends[1] < 10.0, "{scale:?}");
     assert!(scale.ends[1] / scale.ends[0] <= 1000.0, "{scale:?}");
@@ -59,7 +59,7 @@ fn the_noise_map_shows_where_the_noise_is_and_the_picture_comes_back() {
     });
     assert!(copied.expect("nothing on the clipboard") == picture);
     desk.key(Key::M);
-    assert_eq!(desk.app().canvas.maps.layer, Layer::Samples);
+    assert_eq!(desk.doc().layer, Layer::Samples);
     desk.key(Key::M);
     desk.until("the picture", |app| app.canvas.is_settled());
     assert!(desk.shown() == picture && desk.app().canvas.maps.scale().is_none());
@@ -123,10 +123,10 @@ fn two_pictures_have_one_scale_and_a_difference_none() {
     drop(textures);
     desk.click("Diff");
     desk.harness.run_ok();
-    assert_eq!(desk.app().compare.layout, Layout::Difference);
+    assert_eq!(desk.doc().comparison.layout, Layout::Difference);
     assert!(desk.app().canvas.maps.scale().is_none());
     desk.key(Key::M);
-    assert_eq!(desk.app().canvas.maps.layer, Layer::Noise, "it stays");
+    assert_eq!(desk.doc().layer, Layer::Noise, "it stays");
     assert!(desk.notice().contains("No maps while a difference is shown"), "{}", desk.notice());
     desk.click("Wipe");
     desk.harness.run_ok();

@@ -106,6 +106,12 @@ struct Desk {
     folder: tempfile::TempDir,
 }
 
+impl App {
+    fn doc(&self) -> &Document {
+        self.document.as_ref().expect("no document")
+    }
+}
+
 impl Desk {
     /// With the scene open, at work towards very many passes.
     fn new() -> Desk {
@@ -163,7 +169,7 @@ impl Desk {
     }
 
     fn doc(&self) -> &Document {
-        self.app().document.as_ref().unwrap()
+        self.app().doc()
     }
 
     fn newest(&self) -> &Snapshot {

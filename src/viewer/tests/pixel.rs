@@ -19,7 +19,9 @@ impl Desk {
         // What a key or the pointer changed is drawn with the next frame.
         self.harness.step();
         let asked = self.doc().asked;
-        self.until("a report", |app| app.pixel.report().is_some_and(|r| Some(r.pixel) == asked));
+        self.until("a report", |app| {
+            app.panels.pixel.report().is_some_and(|r| Some(r.pixel) == asked)
+        });
     }
 
     fn tells(&self, text: &str) -> bool {
@@ -50,7 +52,7 @@ fn a_clicked_pixel_is_taken_apart() {
     assert!(desk.tells(&format!("all {}", digits(report.total.luminance.value, 3))));
     let times = f64::from(report.brightest.1.value.luminance());
     assert!(desk.tells(&format!("luminance {}", digits(times, 3))));
-    assert_eq!(report.brightest.1, desk.app().pixel.report().unwrap().brightest.1);
+    assert_eq!(report.brightest.1, desk.app().panels.pixel.report().unwrap().brightest.1);
 }
 
 #[test]
@@ -58,15 +60,15 @@ fn it_is_asked_again_when_something_changes() {
     let mut desk = Desk::done(2);
     desk.click_role(Role::Button, "Pixel");
     desk.ask(MIDDLE);
-    let before = desk.app().pixel.report().unwrap().total;
+    let before = desk.app().panels.pixel.report().unwrap().total;
     desk.key(Key::Num1);
     desk.until_asked();
-    let after = desk.app().pixel.report().unwrap().total;
+    let after = desk.app().panels.pixel.report().unwrap().total;
     assert_ne!(before, after, "of another model");
     assert_eq!(after, probe(&desk.doc().params, [42, 24], 1024).unwrap().total);
     desk.type_into("Samples", "64");
     desk.until_asked();
-    assert_eq!(desk.app().pixel.report().unwrap().samples, 64);
+    assert_eq!(desk.app().panels.pixel.report().unwrap().samples, 64);
     // By keyboard alone.
     desk.type_into("Column", "22");
     desk.until_asked();
@@ -77,7 +79,7 @@ fn it_is_asked_again_when_something_changes() {
     assert!(desk.tells("Nothing is hit"));
     // A smaller picture has no such pixel.
     desk.document(|d| d.params.size = [16, 12]);
-    desk.until("the smaller picture", |app| app.pixel.report().is_none());
+    desk.until("the smaller picture", |app| app.panels.pixel.report().is_none());
     assert!(desk.tells("outside of the picture"));
 }
 
@@ -132,6 +134,6 @@ fn the_brightest_path_is_drawn_over_the_picture_where_its_vertices_are() {
     desk.click("Draw over the picture");
     desk.click_role(Role::Button, "Pixel");
     desk.harness.run_ok();
-    assert!(desk.app().pixel.report().is_none());
+    assert!(desk.app().panels.pixel.report().is_none());
     assert_eq!(numbered(&desk), 0);
 }

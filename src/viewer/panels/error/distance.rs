@@ -1,8 +1,8 @@
 //! The true error: the distance of the picture from a reference that was chosen.
 
+use crate::viewer::document::comparison::{Comparison, Frozen};
 use crate::viewer::document::errors::Curves;
 use crate::viewer::jobs::background::Background;
-use crate::viewer::panels::compare::{Compare, Frozen};
 use crate::viewer::picture::difference::same_picture;
 use crate::viewer::style::labels::{self, Control};
 use crate::viewer::style::numbers::percent;
@@ -89,20 +89,22 @@ fn distance(picture: &Snapshot, reference: &Snapshot) -> Result<f64, String> {
     Pair::new(&mean, &reference).map(|pair| REL_RMSE.of(&pair)).map_err(|e| e.to_string())
 }
 
-impl Distances {
-    pub(super) fn new() -> Distances {
+impl Default for Distances {
+    fn default() -> Distances {
         let found = Background::new(answer);
         Distances { chosen: None, reference: None, number: 0, found, asked: None }
     }
+}
 
+impl Distances {
     /// Whether there is something that pictures are held against.
     pub(super) fn is_chosen(&self) -> bool {
         self.reference.is_some()
     }
 
     /// Draws the choice, and follows it.
-    pub(super) fn choose(&mut self, ui: &mut Ui, compare: &Compare) {
-        let there = [true, compare.tag.is_some(), compare.file.is_some()];
+    pub(super) fn choose(&mut self, ui: &mut Ui, comparison: &Comparison) {
+        let there = [true, comparison.tag.is_some(), comparison.file.is_some()];
         let default = if there[2] { Against::File } else { Against::Nothing };
         let place = |a: Against| Against::ALL.iter().position(|&b| a == b).unwrap_or(0);
         let mut chosen = self.chosen.filter(|&a| there[place(a)]).unwrap_or(default);
@@ -118,8 +120,8 @@ impl Distances {
         });
         self.reference = match chosen {
             Against::Nothing => None,
-            Against::Tag => compare.tag.clone(),
-            Against::File => compare.file.clone(),
+            Against::Tag => comparison.tag.clone(),
+            Against::File => comparison.file.clone(),
         };
     }
 

@@ -57,7 +57,7 @@ pub(super) fn line(painter: &Painter, points: &[Pos2], stroke: Stroke) {
 impl Plot<'_> {
     /// Draws it. The cursor follows the pointer, or the arrow keys while the plot has the focus; it
     /// is none otherwise. Returns the plot's place.
-    pub(super) fn ui(&self, ui: &mut Ui, cursor: &mut Option<f64>) -> Rect {
+    pub(super) fn draw(&self, ui: &mut Ui, cursor: &mut Option<f64>) -> Rect {
         let size = vec2(ui.available_width(), HEIGHT);
         let (rect, response) = ui.allocate_exact_size(size, Sense::click());
         let name = labels::ERROR_CURVES.name;

@@ -14,7 +14,7 @@ const HISTOGRAM: f32 = 88.0;
 /// Widths of the columns of figures at the right, in points.
 const COLUMNS: [f32; 3] = [72.0, 64.0, 44.0];
 
-pub(super) fn ui(ui: &mut Ui, report: &PixelReport) {
+pub(super) fn draw(ui: &mut Ui, report: &PixelReport) {
     heading(ui, "Light by scattering events", labels::BY_EVENT_TIP);
     let rows = report.by_event.iter().enumerate().map(|(i, part)| {
         let name = match i {

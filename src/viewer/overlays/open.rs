@@ -1,14 +1,12 @@
-//! Ways to another scene: the line in which a path is typed, and the menu of shipped and recent ones.
+//! The line in which the path of a scene is typed.
 
-use crate::viewer::document::recent::Recent;
 use crate::viewer::jobs::load::Source;
 use crate::viewer::keys::{self, Action};
 use crate::viewer::style::labels;
 use crate::viewer::style::theme;
 use crate::viewer::style::widgets;
-use burnish::scene::builtin::EXAMPLES;
 use egui::text::CCursorRange;
-use egui::{Button, Id, Key, Popup, TextEdit, Ui};
+use egui::{Id, Key, TextEdit, Ui};
 use std::path::PathBuf;
 
 #[derive(Default)]
@@ -34,8 +32,8 @@ impl Open {
         self.shown
     }
 
-    /// Returns what is to be opened once that is clear.
-    pub(crate) fn ui(&mut self, ui: &mut Ui, asked: &mut Vec<Action>) -> Option<Source> {
+    /// Draws the line; returns what is to be opened once that is clear.
+    pub(crate) fn ui(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) -> Option<Source> {
         let mut chosen = false;
         ui.horizontal_centered(|ui| {
             let label = ui.label(labels::PATH.name).on_hover_text(labels::PATH.tip);
@@ -58,7 +56,7 @@ impl Open {
             let tip = keys::tooltip(ui.ctx(), Action::Browse);
             if ui.button(browse).on_hover_text(tip).clicked() {
                 self.shown = false;
-                asked.push(Action::Browse);
+                actions.push(Action::Browse);
             }
             chosen = ui.button(open.name).on_hover_text(open.tip).clicked() || entered;
             if ui.button(cancel.name).on_hover_text(cancel.tip).clicked() || escaped {
@@ -112,52 +110,6 @@ fn unescaped(text: &str) -> String {
         }
     }
     String::from_utf8_lossy(&bytes).into_owned()
-}
-
-/// The buttons that open, reload and save, and the menu of scenes. Returns the one chosen there.
-pub(crate) fn files(ui: &mut Ui, recent: &Recent, asked: &mut Vec<Action>) -> Option<Source> {
-    let mut chosen = None;
-    let width = (ui.available_width() - 2.0 * theme::GAP) / 3.0;
-    ui.horizontal(|ui| {
-        let size = egui::vec2(width, theme::ROW);
-        for action in [Action::Open, Action::SaveScene] {
-            let button = Button::new(keys::binding(action).name).min_size(size);
-            let tip = keys::tooltip(ui.ctx(), action);
-            if ui.add_sized(size, button).on_hover_text(tip).clicked() {
-                asked.push(action);
-            }
-        }
-        let menu = ui.add_sized(size, Button::new(labels::SCENES.name).min_size(size));
-        widgets::menu_arrow(ui, &menu);
-        let menu = menu.on_hover_text(labels::SCENES.tip);
-        Popup::menu(&menu).show(|ui| chosen = scenes(ui, recent));
-    });
-    chosen
-}
-
-/// The menu's entries: shipped scenes, then recent ones.
-fn scenes(ui: &mut Ui, recent: &Recent) -> Option<Source> {
-    let mut chosen = None;
-    ui.spacing_mut().item_spacing.y = 0.0;
-    for example in &EXAMPLES {
-        let entry = ui.button(example.title);
-        widgets::beside(&entry, example.shows);
-        if entry.clicked() {
-            chosen = Some(Source::Example(example));
-        }
-    }
-    if !recent.paths().is_empty() {
-        ui.separator();
-    }
-    for path in recent.paths() {
-        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-        let entry = ui.button(name);
-        widgets::beside(&entry, &path.display().to_string());
-        if entry.clicked() {
-            chosen = Some(Source::File(path.clone()));
-        }
-    }
-    chosen
 }
 
 /// So that typing replaces the path before.
