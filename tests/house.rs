@@ -151,7 +151,8 @@ fn every_foreign_crate_has_one_place() {
 #[test]
 fn files_are_opened_in_few_places() {
     for (file, lines) in code() {
-        let window = ["settings", "jobs/watch", "effort"].map(|f| format!("src/viewer/{f}.rs"));
+        let window =
+            ["settings", "jobs/watch", "frame_times"].map(|f| format!("src/viewer/{f}.rs"));
         let may = ["src/scene/read/", "src/picture/", "src/cli/", "src/limits.rs"]
             .into_iter()
             .chain(window.iter().map(String::as_str))

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 /// When a render is to end by itself.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Goal {
-    /// After so many.
+    /// After this number.
     Passes(u64),
     /// After so long.
     Time(Duration),

@@ -24,7 +24,7 @@ pub(super) struct Args {
     /// For so long.
     #[arg(long, value_name = "H", default_value_t = 1.0)]
     hours: f64,
-    /// At most so many changes.
+    /// Largest number of changes.
     #[arg(long, value_name = "N", default_value_t = u64::MAX)]
     changes: u64,
     /// Which of 2^64 series of changes.

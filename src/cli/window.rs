@@ -26,7 +26,7 @@ pub(super) struct Args {
     /// size and place.
     #[arg(long)]
     reset_settings: bool,
-    /// Closes after so many seconds: for smoke tests.
+    /// Seconds after which it closes: for smoke tests.
     #[arg(long, value_name = "SECONDS", hide = true, value_parser = values::seconds)]
     exit_after: Option<f64>,
     /// Writes a picture of the window, as PNG, before it closes.
@@ -44,12 +44,12 @@ pub(super) fn open(args: Args) -> Result<(), Failure> {
         )));
     }
     let instead = headless(args.scene.as_deref());
-    let figures = run(args).map_err(|why| {
+    let times = run(args).map_err(|why| {
         let why = why.split_whitespace().collect::<Vec<_>>().join(" ");
         Failure::new(format_args!("no window: {why}; to render without one: {instead}"))
     })?;
-    if let Some(figures) = figures {
-        talk::detail(figures);
+    if let Some(times) = times {
+        talk::detail(times);
     }
     Ok(())
 }
@@ -62,7 +62,7 @@ fn run(args: Args) -> Result<Option<String>, String> {
         reset_settings: args.reset_settings,
         size: args.size,
         light: (args.light || args.dark).then_some(args.light),
-        figures: talk::loud(talk::Volume::Verbose),
+        measure: talk::loud(talk::Volume::Verbose),
         exit_after: args.exit_after,
         screenshot: args.screenshot,
     })

@@ -1,4 +1,4 @@
-//! What keys and buttons do.
+//! The actions of keys and buttons.
 
 use crate::viewer::app::App;
 use crate::viewer::document::command;
@@ -13,9 +13,9 @@ use burnish::progressive::{Recipe, Snapshot};
 use burnish::scene::{Axis, Crop};
 use egui::{Context, ViewportCommand};
 
-/// What one press of [ or ] does to alpha: four of them double it.
+/// Factor of alpha for one press of [ or ]: four of them double it.
 const ROUGHNESS_STEP: f64 = 1.189_207_115_002_721;
-/// What one press of E does, in stops.
+/// Exposure that one press of E adds, in stops.
 const EXPOSURE_STEP: f32 = 0.5;
 
 impl App {
@@ -135,7 +135,7 @@ impl App {
         let params = &document.params;
         let current = snapshot.epoch >= render.epoch;
         let job = Job {
-            recipe: current.then(|| Recipe::new(render.told(), &snapshot)),
+            recipe: current.then(|| Recipe::new(render.applied(), &snapshot)),
             snapshot,
             tone: document.tone,
             folder: self.folder.clone(),
@@ -147,7 +147,7 @@ impl App {
         }
     }
 
-    /// Beside the scene's own file, where its models are found; what has none goes where snapshots do.
+    /// Writes the edited scene beside its own file, where its models are found; without one, where snapshots go.
     fn save_scene(&mut self, ctx: &Context) {
         if self.is_saving() {
             return;
@@ -249,18 +249,18 @@ impl App {
     fn copy_command(&mut self, ctx: &Context) {
         let (Some(document), Some(render)) = (&self.document, &self.render) else { return };
         let Some(snapshot) = &render.newest else { return };
-        let made = command::again(render.told(), snapshot, document.tone, &document.source);
+        let made = command::again(render.applied(), snapshot, document.tone, &document.source);
         self.notice = Some(match made {
             Ok(text) => {
                 let lines = text.lines().count();
-                let told = match lines {
+                let words = match lines {
                     1 => format!("Copied: {text}"),
                     n => format!(
                         "Copied {n} lines: the edited scene, and the command that renders it"
                     ),
                 };
                 ctx.copy_text(text);
-                Notice::news(told)
+                Notice::news(words)
             }
             Err(why) => Notice::error(format!("no command: {why}")),
         });

@@ -36,19 +36,19 @@ use std::path::PathBuf;
 /// Seconds after which a window that has not grown is taken to have its size.
 const STANDS_STILL: f64 = 0.2;
 
-/// How the window begins.
+/// Settings that the window begins with.
 pub(super) struct Setup {
     pub(super) source: Source,
     /// Worker threads; 0 for one a core.
     pub(super) threads: usize,
-    /// Where snapshots go; an empty path is the working directory.
+    /// Folder that snapshots go to; an empty path is the working directory.
     pub(super) folder: PathBuf,
-    /// What is remembered from last time.
+    /// Settings remembered from last time.
     pub(super) settings: Settings,
     pub(super) dialog: Dialog,
 }
 
-/// A scene that was asked for in vain.
+/// A scene that could not be read, to be tried again when its files change.
 pub(super) struct Missed {
     pub(super) source: Source,
     pub(super) why: String,
@@ -78,7 +78,7 @@ pub(super) struct App {
     /// Curve and goal here are those that the first scene begins with.
     pub(super) settings: Settings,
     pub(super) exposures: Exposures,
-    /// While changed files are to be read again.
+    /// Watch over the scene's files, while changed ones are to be read again.
     pub(super) watch: Option<Watch>,
     pub(super) panels: SidePanels,
     status: Status,
@@ -86,7 +86,7 @@ pub(super) struct App {
     pub(super) open: Open,
     /// Worker threads; 0 for one a core.
     pub(super) threads: usize,
-    /// Where snapshots go.
+    /// Folder that snapshots go to.
     pub(super) folder: PathBuf,
     pub(super) full_screen: bool,
     /// The axis of a model by itself that is to point up, if it is not the guessed one.
@@ -99,7 +99,7 @@ pub(super) struct App {
     pub(super) turned: Option<&'static str>,
     /// Whether text was being typed in the frame before.
     typed: bool,
-    /// What the window's title says.
+    /// The window's title.
     pub(super) title: String,
     /// Whether the canvas shows another picture than the one being traced.
     pub(super) substituted: bool,
@@ -154,14 +154,14 @@ impl App {
         let (now, touched, down) =
             ctx.input(|i| (i.time, !i.events.is_empty(), i.pointer.any_down()));
         render.pace(now, touched);
-        render.switch_like(self.settings.switching);
+        render.set_switching(self.settings.switching);
         let news = render.drain(&mut document.errors);
         let Some(snapshot) = render.newest.clone().filter(|_| news) else { return };
         // What is dragged is to be seen at once.
         let hold = if down { 0 } else { self.settings.switching.hold };
         let substituted = document.comparison.first_frozen().is_some();
         if substituted || self.canvas.show(&snapshot, document, hold) {
-            render.is_shown();
+            render.note_shown();
         }
         if let State::Failed(why) = &snapshot.state {
             self.notice = Some(Notice::error(why.as_str()));
@@ -179,7 +179,7 @@ impl App {
         }
         self.changed(ctx);
         self.browsed(ctx);
-        self.hear_of_sheet();
+        self.poll_sheet();
         if let Some(result) = self.saving.as_ref().and_then(Saving::poll) {
             self.saving = None;
             self.notice = Some(result.map_or_else(Notice::error, Notice::news));
@@ -247,18 +247,18 @@ impl App {
         for action in actions {
             self.act(&ctx, action);
         }
-        if let Some(told) = number_field::told(&ctx) {
-            self.notice = Some(Notice::error(told));
+        if let Some(complaint) = number_field::take_complaint(&ctx) {
+            self.notice = Some(Notice::error(complaint));
         }
         self.typed = ctx.text_edit_focused();
-        self.tell(&ctx);
+        self.apply(&ctx);
         self.name_window(&ctx);
     }
 
     /// Takes note of how many seconds drawing one frame takes.
-    pub(super) fn drawing_takes(&mut self, seconds: f32) {
+    pub(super) fn note_drawing(&mut self, seconds: f32) {
         if let Some(render) = &mut self.render {
-            render.drawing_takes(seconds);
+            render.note_drawing(seconds);
         }
     }
 
@@ -321,7 +321,7 @@ impl App {
         });
     }
 
-    /// What is to be remembered, but for the window's place.
+    /// Settings to be remembered, but for the window's place.
     pub(super) fn settings(&self, ctx: &Context) -> Settings {
         let (curve, goal, follow) = match &self.document {
             Some(document) => (document.tone.curve, document.goal, document.follow),

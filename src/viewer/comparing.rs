@@ -1,4 +1,4 @@
-//! Comparing: what is laid against the picture, and the picture that is read from a file for it.
+//! Comparing: the second picture beside the first, and the reference from a file.
 
 use crate::viewer::app::App;
 use crate::viewer::document::comparison::Frozen;
@@ -19,7 +19,7 @@ impl App {
         document.comparison.take_file(frozen);
     }
 
-    /// What is compared in this frame, if there are two pictures.
+    /// The comparison of this frame, if there are two pictures.
     pub(super) fn versus(&mut self, ctx: &Context) -> Option<Versus> {
         let (document, render) = (self.document.as_ref()?, self.render.as_ref()?);
         let comparison = &document.comparison;

@@ -43,7 +43,7 @@ pub(super) enum Action {
     Help,
     Dismiss,
     Quit,
-    /// What a panel has ready for a file or the clipboard goes there. It has buttons of its own and
+    /// Writes or copies what a panel has ready to export. It has buttons of its own and
     /// no key.
     Export,
     /// Goes on with the picture in the file that is compared with. It has a button under "Compare".
@@ -56,7 +56,7 @@ pub(super) enum Action {
     Threads(usize),
     /// Whether changed files are read again.
     Watch(bool),
-    /// What happens to a picture when another is wanted.
+    /// Settings for pictures that are left for others.
     Switching(Switching),
 }
 
@@ -69,7 +69,7 @@ pub(super) struct Binding {
     pub(super) name: &'static str,
     /// A few words for the help.
     pub(super) does: &'static str,
-    /// What it does, in a sentence.
+    /// A sentence that describes it.
     pub(super) tip: &'static str,
 }
 
@@ -356,7 +356,7 @@ pub(super) const TABLE: &[Binding] = &[
     },
 ];
 
-/// What the mouse does over the picture, for the help.
+/// Actions of the mouse over the picture, for the help.
 pub(super) const MOUSE: &[(&str, &str)] = &[
     ("Left drag", "Orbit about the surface under the pointer"),
     ("Middle or Shift drag", "Pan the camera"),
@@ -369,7 +369,7 @@ pub(super) const MOUSE: &[(&str, &str)] = &[
     ("Hold X", "See the second picture, where they flip"),
 ];
 
-/// What the arrow keys do once the picture has the focus (Tab), for the help.
+/// Actions of the arrow keys while the picture has the focus (Tab), for the help.
 pub(super) const PICTURE_KEYS: &[(&str, &str)] = &[
     ("Arrows", "Orbit the camera"),
     ("Shift-arrows", "Pan the camera"),

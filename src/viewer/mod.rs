@@ -10,7 +10,8 @@ mod actions;
 mod app;
 mod comparing;
 mod document;
-mod effort;
+mod ending;
+mod frame_times;
 mod jobs;
 mod keys;
 mod opening;
@@ -29,12 +30,13 @@ mod window;
 #[cfg(test)]
 mod tests;
 
+use ending::SharedEnding;
 use settings::Settings;
 use std::path::PathBuf;
 use std::sync::PoisonError;
-use window::{Told, Window};
+use window::Window;
 
-/// How the window starts.
+/// Options that the window starts with.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Options {
     /// The scene to open, a file or a shipped one's name; the built-in one without.
@@ -47,16 +49,16 @@ pub(crate) struct Options {
     pub(crate) size: Option<[u32; 2]>,
     /// Light (`Some(true)`), dark, or as the system has it.
     pub(crate) light: Option<bool>,
-    /// Measures its work, and tells of it in the end.
-    pub(crate) figures: bool,
-    /// Closes after so many seconds: for smoke tests. Nothing is remembered then, from the last time
+    /// Measures how long frames take, and says so in the end.
+    pub(crate) measure: bool,
+    /// Seconds after which it closes: for smoke tests. Nothing is remembered then, from the last time
     /// or for the next.
     pub(crate) exit_after: Option<f64>,
     /// Writes a picture of the window there, as PNG, before it closes by `exit_after`.
     pub(crate) screenshot: Option<PathBuf>,
 }
 
-/// Opens the window and returns when it is closed, with figures about its work if they are wished for. The text of an
+/// Opens the window and returns when it is closed, with how long its frames took if that was measured. The text of an
 /// error says why none could be opened, or, in a smoke test, why there is no screenshot.
 pub(crate) fn run(options: Options) -> Result<Option<String>, String> {
     let kept = Settings::path().filter(|_| options.exit_after.is_none());
@@ -81,17 +83,17 @@ pub(crate) fn run(options: Options) -> Result<Option<String>, String> {
         dithering: false,
         ..Default::default()
     };
-    let told = Told::default();
-    let tell = told.clone();
+    let ending = SharedEnding::default();
+    let at_end = ending.clone();
     let create = move |cc: &eframe::CreationContext<'_>| {
         bring_back(cc);
-        Ok(Box::new(Window::new(&cc.egui_ctx, &options, settings, kept, tell)) as Box<_>)
+        Ok(Box::new(Window::new(&cc.egui_ctx, &options, settings, kept, at_end)) as Box<_>)
     };
     eframe::run_native("burnish", native, Box::new(create)).map_err(|e| reason(&e))?;
-    let mut told = told.lock().unwrap_or_else(PoisonError::into_inner);
-    match told.failure.take() {
+    let mut ending = ending.lock().unwrap_or_else(PoisonError::into_inner);
+    match ending.failure.take() {
         Some(why) => Err(why),
-        None => Ok(told.figures.take()),
+        None => Ok(ending.work.take()),
     }
 }
 
@@ -143,11 +145,11 @@ fn last_part(text: &str) -> String {
 mod reason_tests {
     #[test]
     fn what_happened_is_told_without_where_in_a_library() {
-        for (told, expected) in [
+        for (text, expected) in [
             ("os error at /a/b/winit-0.30/src/x11/mod.rs:93: no server", "no server"),
             ("plain words", "plain words"),
         ] {
-            assert_eq!(super::last_part(told), expected);
+            assert_eq!(super::last_part(text), expected);
         }
     }
 }

@@ -63,12 +63,12 @@ impl App {
     pub(super) fn show(&mut self, ctx: &Context, loaded: Loaded) {
         let again = loaded.again;
         let document = self.opened(loaded);
-        let told = match &mut self.render {
-            Some(render) => render.tell(&document).map_err(ExperimentError::from),
+        let applied = match &mut self.render {
+            Some(render) => render.apply(&document).map_err(ExperimentError::from),
             None => Render::start(ctx, &document, self.threads, self.settings.switching, None)
                 .map(|r| self.render = Some(r)),
         };
-        match told {
+        match applied {
             Ok(()) => self.adopt(document, again),
             Err(why) => self.notice = Some(Notice::error(why.to_string())),
         }

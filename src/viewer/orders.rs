@@ -28,17 +28,17 @@ impl App {
     }
 
     /// Tells the renderer what changed, and remembers what was before for undo.
-    pub(super) fn tell(&mut self, ctx: &Context) {
+    pub(super) fn apply(&mut self, ctx: &Context) {
         let (Some(document), Some(render)) = (&mut self.document, &mut self.render) else { return };
-        if document.params != *render.told() {
+        if document.params != *render.applied() {
             // A change is to be seen, and a paused renderer would show nothing of it.
             document.paused = false;
         }
-        if let Err(why) = render.tell(document) {
+        if let Err(why) = render.apply(document) {
             self.notice = Some(Notice::error(why.to_string()));
-            document.params = render.told().clone();
+            document.params = render.applied().clone();
         }
-        if let Err(why) = render.tell_beside(self.panels.compare.beside(ctx, document)) {
+        if let Err(why) = render.apply_beside(self.panels.compare.beside(ctx, document)) {
             self.notice = Some(Notice::error(why.to_string()));
             document.comparison.on = false;
         }

@@ -1,4 +1,4 @@
-//! The session and what it has been told: turns edits of the document into orders for the
+//! The session and the parameters applied to it: turns edits of the document into orders for the
 //! workers, and hands back what they sent.
 
 use crate::viewer::document::Document;
@@ -20,10 +20,10 @@ use std::time::{Duration, Instant};
 /// first picture after a change are shown at once.
 const FRAME: Duration = Duration::from_millis(33);
 const SLOWEST: Duration = Duration::from_millis(150);
-/// Drawing is to take no more than one part in so many of the time: the workers want the cores,
+/// Drawing is to take no more than one part in `SHARE` of the time: the workers want the cores,
 /// too, where a processor has to do a graphics card's work.
 const SHARE: f32 = 3.0;
-/// So long after the last input the window is only looked at, and the workers get nearly all of the
+/// Seconds after the last input from which on the window is only looked at, and the workers get nearly all of the
 /// time.
 const CALM: f64 = 2.0;
 const CALM_FRAME: Duration = Duration::from_millis(400);
@@ -32,8 +32,8 @@ const CALM_SHARE: f32 = 60.0;
 
 pub(super) struct Render {
     session: Session,
-    told: Params,
-    /// What is traced beside it.
+    applied: Params,
+    /// Parameters that are traced in turn with these.
     beside: Option<Params>,
     beside_epoch: u64,
     /// The newest picture of that.
@@ -45,16 +45,16 @@ pub(super) struct Render {
     paused: bool,
     /// Whether the cores are left to other work, until a change is to be seen.
     gives_way: bool,
-    /// What the pictures of the present parameters carry.
+    /// Epoch of the pictures of the present parameters.
     pub(super) epoch: u64,
     changed: Instant,
-    /// From the last change to its first pixels.
+    /// Time from the last change to its first pixels.
     pub(super) latency: Option<Duration>,
     /// The newest picture, of whichever epoch.
     pub(super) newest: Option<Arc<Snapshot>>,
     /// Set while the first picture after a change is awaited.
     awaited: Arc<AtomicBool>,
-    /// From one picture to the next.
+    /// Time from one picture to the next.
     pace: Duration,
     /// Seconds that drawing one frame takes.
     drawing: f32,
@@ -84,19 +84,19 @@ impl Render {
                 ctx.request_repaint_after(FRAME);
             }
         };
-        let told = document.params.clone();
+        let applied = document.params.clone();
         let (goal, limit) = (document.goal, document.goal.limit(0, None));
         let options = Options { keep: switching.keep << 20, ..Options::interactive(threads) };
         let session = match begin {
             Some(begin) => {
-                let scene = told.scene.clone();
+                let scene = applied.scene.clone();
                 Session::with_experiment(begin, scene, limit, options, notify)?
             }
-            None => Session::with_options(told.clone(), limit, options, notify)?,
+            None => Session::with_options(applied.clone(), limit, options, notify)?,
         };
         let mut render = Render {
             session,
-            told,
+            applied,
             beside: None,
             beside_epoch: 0,
             newest_beside: None,
@@ -114,27 +114,27 @@ impl Render {
             drawing: 0.0,
             touched: ctx_time,
         };
-        render.tell(document)?;
+        render.apply(document)?;
         render.refine_others();
         Ok(render)
     }
 
     /// The parameters that are being rendered.
-    pub(super) fn told(&self) -> &Params {
-        &self.told
+    pub(super) fn applied(&self) -> &Params {
+        &self.applied
     }
 
-    /// Passes on whatever differs from what the workers know.
-    pub(super) fn tell(&mut self, document: &Document) -> Result<(), ParamsError> {
-        if document.params != self.told {
+    /// Applies whatever differs from what the workers have.
+    pub(super) fn apply(&mut self, document: &Document) -> Result<(), ParamsError> {
+        if document.params != self.applied {
             self.await_first_pixels();
             self.gives_way = false;
             self.epoch = self.session.set(document.params.clone())?;
-            self.told = document.params.clone();
+            self.applied = document.params.clone();
             self.refine_others();
-            self.aim(document.goal);
+            self.set_goal(document.goal);
         } else if document.goal != self.goal {
-            self.aim(document.goal);
+            self.set_goal(document.goal);
         }
         let paused = document.paused || self.gives_way || self.time_is_up();
         if paused != self.paused {
@@ -145,7 +145,7 @@ impl Render {
     }
 
     /// Has the workers trace these in turn with the present parameters.
-    pub(super) fn tell_beside(&mut self, params: Option<Params>) -> Result<(), ParamsError> {
+    pub(super) fn apply_beside(&mut self, params: Option<Params>) -> Result<(), ParamsError> {
         if params != self.beside {
             self.beside_epoch = self.session.set_beside(params.clone())?;
             self.newest_beside = None;
@@ -156,8 +156,8 @@ impl Render {
         Ok(())
     }
 
-    /// Follows other settings.
-    pub(super) fn switch_like(&mut self, switching: Switching) {
+    /// Applies other settings of switching.
+    pub(super) fn set_switching(&mut self, switching: Switching) {
         if switching != self.switching {
             self.switching = switching;
             self.session.set_keep(switching.keep << 20);
@@ -171,7 +171,7 @@ impl Render {
         self.refine_others();
     }
 
-    /// What is kept of other parameters.
+    /// Pictures kept of other parameters.
     pub(super) fn kept(&self) -> KeptPictures {
         self.session.kept()
     }
@@ -180,13 +180,13 @@ impl Render {
     /// same.
     pub(super) fn beside(&self) -> Option<&Snapshot> {
         match &self.beside {
-            Some(params) if *params == self.told => self.current(),
+            Some(params) if *params == self.applied => self.current(),
             Some(_) => self.newest_beside.as_ref(),
             None => None,
         }
     }
 
-    /// What is traced beside the shown one.
+    /// Parameters traced beside the shown ones.
     #[cfg(test)]
     pub(super) fn beside_params(&self) -> Option<&Params> {
         self.beside.as_ref()
@@ -195,9 +195,9 @@ impl Render {
     /// The other models may be wanted next.
     fn refine_others(&self) {
         let others = Model::ALL.into_iter().filter(|_| self.switching.refine && !self.gives_way);
-        let others = others.filter(|&model| model != self.told.model);
+        let others = others.filter(|&model| model != self.applied.model);
         self.session
-            .set_background(others.map(|model| Params { model, ..self.told.clone() }).collect());
+            .set_background(others.map(|model| Params { model, ..self.applied.clone() }).collect());
     }
 
     /// Starts again from the first pass.
@@ -205,7 +205,7 @@ impl Render {
         self.await_first_pixels();
         self.gives_way = false;
         self.epoch = self.session.restart();
-        self.aim(self.goal);
+        self.set_goal(self.goal);
     }
 
     /// Whether the picture is what was wished for: then nothing is traced any more.
@@ -224,31 +224,31 @@ impl Render {
         }
         let Some(snapshot) = self.session.latest() else { return false };
         if snapshot.epoch >= self.epoch {
-            errors.note(&self.told, &snapshot);
+            errors.note(&self.applied, &snapshot);
         }
         self.newest = Some(Arc::new(snapshot));
         let looks = |s: &Snapshot| s.state == State::Done && s.passes >= self.limit;
         if self.goal.stop == Stop::Error && self.current().is_some_and(looks) {
-            self.aim(self.goal);
+            self.set_goal(self.goal);
         }
         true
     }
 
-    /// What is known of the way to the goal.
+    /// Expected way to the goal.
     pub(super) fn outlook(&self, errors: &Curves) -> Outlook {
-        let curve = errors.of(&self.told).filter(|_| self.current().is_some());
+        let curve = errors.of(&self.applied).filter(|_| self.current().is_some());
         Outlook { trend: curve.and_then(|c| Trend::of(&c.estimated)), look: self.limit }
     }
 
     /// Takes note that the newest picture is shown.
-    pub(super) fn is_shown(&mut self) {
+    pub(super) fn note_shown(&mut self) {
         if self.current().is_some() && self.awaited.swap(false, Ordering::Relaxed) {
             self.latency = Some(self.changed.elapsed());
         }
     }
 
     /// Takes note of how many seconds drawing one frame takes.
-    pub(super) fn drawing_takes(&mut self, seconds: f32) {
+    pub(super) fn note_drawing(&mut self, seconds: f32) {
         self.drawing = seconds;
     }
 
@@ -282,7 +282,7 @@ impl Render {
     }
 
     /// Has the workers go on as far as it takes, from what is there.
-    fn aim(&mut self, goal: Goal) {
+    fn set_goal(&mut self, goal: Goal) {
         let there = self.current().map(|s| (s.passes, s.error));
         let (passes, error) = there.unwrap_or((0, None));
         self.goal = goal;
@@ -299,8 +299,8 @@ impl Render {
     }
 }
 
-/// From one picture to the next, where drawing one takes so many seconds and the last input is so
-/// many seconds ago.
+/// Time from one picture to the next, where drawing one takes `drawing` seconds and the last input was
+/// `since` seconds ago.
 fn wait(drawing: f32, since: f64) -> Duration {
     let (share, shortest, longest) =
         if since < CALM { (SHARE, FRAME, SLOWEST) } else { (CALM_SHARE, CALM_FRAME, CALM_SLOWEST) };

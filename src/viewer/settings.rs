@@ -1,4 +1,4 @@
-//! What the window remembers from one day to the next: how it looks and what it aims at, but
+//! Settings that the window remembers from one day to the next: looks and goal, but
 //! nothing of a scene.
 
 use crate::viewer::document::goal::{Goal, Stop};
@@ -26,7 +26,7 @@ pub(super) struct Settings {
     pub(super) place: Place,
 }
 
-/// What happens to a picture when another is wanted.
+/// Settings for pictures that are left for others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Switching {
     /// Memory for pictures that may be wanted again, in MiB.
@@ -52,12 +52,12 @@ impl Default for Switching {
     }
 }
 
-/// Where the window is on the screen, in points.
+/// Place of the window on the screen, in points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Place {
-    /// Of its inside.
+    /// Width and height of its inside.
     pub(super) size: Option<[f32; 2]>,
-    /// Of its upper left corner.
+    /// Position of its upper left corner.
     pub(super) position: Option<[f32; 2]>,
 }
 
@@ -84,12 +84,12 @@ const THEMES: [(ThemePreference, &str); 3] = [
 ];
 
 impl Settings {
-    /// Where they are kept; `None` where the system does not say.
+    /// Path of the file; `None` where the system does not say.
     pub(super) fn path() -> Option<PathBuf> {
         dirs::config_dir().map(|folder| folder.join("burnish").join("window.json"))
     }
 
-    /// What is in the file. What is missing in it, broken or out of range is as on the first day: no
+    /// Reads the file. What is missing in it, broken or out of range is as on the first day: no
     /// file keeps the window from opening.
     pub(super) fn read(path: &Path) -> Settings {
         let text = fs::read_to_string(path).unwrap_or_default();

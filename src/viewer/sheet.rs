@@ -1,4 +1,4 @@
-//! Contact sheets: begun, stopped and told of.
+//! Contact sheets: begun, stopped, reported.
 
 use crate::viewer::app::App;
 use crate::viewer::document::Shown;
@@ -41,16 +41,16 @@ impl App {
         }
     }
 
-    /// Whether an error is told.
+    /// Whether the notice is an error.
     pub(super) fn has_error(&self) -> bool {
         self.notice.as_ref().is_some_and(|notice| notice.is_error)
     }
 
-    /// Takes in what is told of the sheet in the making.
-    pub(super) fn hear_of_sheet(&mut self) {
+    /// Takes in the news of the sheet in the making.
+    pub(super) fn poll_sheet(&mut self) {
         let Some(of) = self.sheet.as_ref().map(|making| making.of) else { return };
         while let Some(news) = self.sheet.as_mut().and_then(MakingSheet::poll) {
-            let told = match news {
+            let notice = match news {
                 News::At(number, title) => {
                     let error = self.notice.as_ref().is_some_and(|n| n.is_error);
                     let words =
@@ -65,7 +65,7 @@ impl App {
                     Some(end.map_or_else(Notice::error, Notice::news))
                 }
             };
-            self.notice = told.or(self.notice.take());
+            self.notice = notice.or(self.notice.take());
         }
     }
 }

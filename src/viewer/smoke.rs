@@ -1,7 +1,8 @@
 //! A window that closes by itself after a while, with a picture of itself: for smoke tests.
 
+use crate::viewer::ending::SharedEnding;
 use crate::viewer::jobs::save::as_picture;
-use crate::viewer::window::Told;
+
 use burnish::picture::{Tone, write};
 use egui::{ColorImage, Context, ViewportCommand};
 use std::path::{Path, PathBuf};
@@ -14,15 +15,15 @@ const PATIENCE: Duration = Duration::from_secs(10);
 pub(super) struct Smoke {
     end: Instant,
     screenshot: Option<PathBuf>,
-    asked: bool,
-    told: Told,
+    requested: bool,
+    ending: SharedEnding,
 }
 
 impl Smoke {
-    pub(super) fn new(seconds: f64, screenshot: Option<PathBuf>, told: Told) -> Smoke {
+    pub(super) fn new(seconds: f64, screenshot: Option<PathBuf>, ending: SharedEnding) -> Smoke {
         let wait = Duration::try_from_secs_f64(seconds).unwrap_or_default();
         let now = Instant::now();
-        Smoke { end: now.checked_add(wait).unwrap_or(now), screenshot, asked: false, told }
+        Smoke { end: now.checked_add(wait).unwrap_or(now), screenshot, requested: false, ending }
     }
 
     /// Called with each frame: waits, takes the picture, closes.
@@ -32,11 +33,11 @@ impl Smoke {
             ctx.request_repaint_after(self.end - now);
             return;
         }
-        if self.asked && now > self.end + PATIENCE {
-            set(&self.told, "the window gave no picture of itself".to_owned());
+        if self.requested && now > self.end + PATIENCE {
+            set(&self.ending, "the window gave no picture of itself".to_owned());
             ctx.send_viewport_cmd(ViewportCommand::Close);
         }
-        if std::mem::replace(&mut self.asked, true) {
+        if std::mem::replace(&mut self.requested, true) {
             ctx.request_repaint_after(Duration::from_millis(100));
             return;
         }
@@ -44,10 +45,10 @@ impl Smoke {
             ctx.send_viewport_cmd(ViewportCommand::Close);
             return;
         };
-        let (told, close) = (self.told.clone(), ctx.clone());
+        let (ending, close) = (self.ending.clone(), ctx.clone());
         let callback = move |image: Arc<ColorImage>| {
             if let Err(why) = save(&path, &image) {
-                set(&told, why);
+                set(&ending, why);
             }
             close.send_viewport_cmd(ViewportCommand::Close);
             close.request_repaint();
@@ -58,8 +59,8 @@ impl Smoke {
     }
 }
 
-fn set(told: &Told, why: String) {
-    told.lock().unwrap_or_else(PoisonError::into_inner).failure = Some(why);
+fn set(ending: &SharedEnding, why: String) {
+    ending.lock().unwrap_or_else(PoisonError::into_inner).failure = Some(why);
 }
 
 /// As it was on screen.

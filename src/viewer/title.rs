@@ -4,13 +4,13 @@ use crate::viewer::app::App;
 use egui::{Context, ViewportCommand};
 
 impl App {
-    /// What the window's title says.
+    /// The window's title.
     #[cfg(test)]
     pub(super) fn title(&self) -> &str {
         &self.title
     }
 
-    /// Has the window's title say what is shown and how far it is.
+    /// Sets the window's title: the scene shown, and how far it is.
     pub(super) fn name_window(&mut self, ctx: &Context) {
         let (Some(document), Some(render)) = (&self.document, &self.render) else { return };
         let part = render

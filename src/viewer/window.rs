@@ -1,8 +1,9 @@
-//! Between the system's window and the app: what is remembered, and how long its work takes.
+//! The system's window around the app: remembers settings, measures frames.
 
 use crate::viewer::Options;
 use crate::viewer::app::{App, Setup};
-use crate::viewer::effort::{Effort, Moment};
+use crate::viewer::ending::SharedEnding;
+use crate::viewer::frame_times::{FrameTimes, Moment};
 use crate::viewer::jobs::browse;
 use crate::viewer::jobs::load::Source;
 use crate::viewer::settings::{Place, Settings};
@@ -10,29 +11,19 @@ use crate::viewer::smoke::Smoke;
 use crate::viewer::style::theme;
 use egui::{Context, ThemePreference};
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::PoisonError;
 use std::time::{Duration, Instant};
 
 /// Settings are written once they have been the same for so long, and when the window is closed.
 const SETTLED: Duration = Duration::from_secs(2);
-
-/// What the window tells when it is closed.
-#[derive(Default)]
-pub(super) struct Ending {
-    /// Why there is no screenshot.
-    pub(super) failure: Option<String>,
-    /// How its work went, in words.
-    pub(super) figures: Option<String>,
-}
-pub(super) type Told = Arc<Mutex<Ending>>;
 
 pub(super) struct Window {
     app: App,
     smoke: Option<Smoke>,
     memory: Memory,
     /// Measured where it is to be told.
-    effort: Option<Effort>,
-    told: Told,
+    times: Option<FrameTimes>,
+    ending: SharedEnding,
 }
 
 impl Window {
@@ -42,7 +33,7 @@ impl Window {
         options: &Options,
         settings: Settings,
         kept: Option<PathBuf>,
-        told: Told,
+        ending: SharedEnding,
     ) -> Window {
         let given = options.light.map(|light| match light {
             true => ThemePreference::Light,
@@ -51,7 +42,7 @@ impl Window {
         ctx.set_theme(given.unwrap_or(settings.theme));
         let smoke = options
             .exit_after
-            .map(|seconds| Smoke::new(seconds, options.screenshot.clone(), told.clone()));
+            .map(|seconds| Smoke::new(seconds, options.screenshot.clone(), ending.clone()));
         let memory = Memory::new(kept, settings.clone(), given);
         let setup = Setup {
             source: options.scene.clone().map_or_else(Source::default, Source::named),
@@ -60,18 +51,18 @@ impl Window {
             settings,
             dialog: browse::native,
         };
-        let effort = options.figures.then(Effort::default);
-        Window { app: App::new(ctx, setup), smoke, memory, effort, told }
+        let times = options.measure.then(FrameTimes::default);
+        Window { app: App::new(ctx, setup), smoke, memory, times, ending }
     }
 }
 
 impl Window {
     /// Does some of the app's own work.
     fn work(&mut self, work: impl FnOnce(&mut Window)) {
-        let start = self.effort.is_some().then(Moment::now);
+        let start = self.times.is_some().then(Moment::now);
         work(self);
-        if let (Some(effort), Some(start)) = (&mut self.effort, start) {
-            effort.own(&start);
+        if let (Some(times), Some(start)) = (&mut self.times, start) {
+            times.own(&start);
         }
     }
 }
@@ -79,9 +70,9 @@ impl Window {
 impl eframe::App for Window {
     fn logic(&mut self, ctx: &Context, frame: &mut eframe::Frame) {
         if let Some(seconds) = frame.info().cpu_usage {
-            self.app.drawing_takes(seconds);
-            if let Some(effort) = &mut self.effort {
-                effort.frame(seconds);
+            self.app.note_drawing(seconds);
+            if let Some(times) = &mut self.times {
+                times.frame(seconds);
             }
         }
         self.work(|window| window.app.logic(ctx));
@@ -92,8 +83,8 @@ impl eframe::App for Window {
             window.app.ui(ui);
             window.memory.note(ui.ctx(), window.app.settings(ui.ctx()));
         });
-        if let Some(effort) = &mut self.effort {
-            effort.end_frame(&self.app);
+        if let Some(times) = &mut self.times {
+            times.end_frame(&self.app);
         }
         if let Some(smoke) = &mut self.smoke {
             smoke.step(ui.ctx());
@@ -102,8 +93,8 @@ impl eframe::App for Window {
 
     fn on_exit(&mut self, _: Option<&eframe::glow::Context>) {
         self.memory.write();
-        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
-        told.figures = self.effort.as_ref().map(Effort::words);
+        let mut ending = self.ending.lock().unwrap_or_else(PoisonError::into_inner);
+        ending.work = self.times.as_ref().map(FrameTimes::words);
     }
 
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
@@ -114,7 +105,7 @@ impl eframe::App for Window {
 /// Keeps the settings in their file.
 struct Memory {
     path: Option<PathBuf>,
-    /// As they are in the file.
+    /// The settings in the file.
     written: Settings,
     now: Settings,
     /// When they were last changed.
@@ -161,7 +152,7 @@ impl Memory {
     }
 }
 
-/// Where the window is; `None` while it fills the screen, which is no place to come back to.
+/// Place of the window; `None` while it fills the screen, which is no place to come back to.
 fn place(ctx: &Context) -> Option<Place> {
     ctx.input(|i| {
         let view = i.viewport();

@@ -69,7 +69,7 @@ fn measure(args: &Args, path: Option<&Path>) -> Result<(), Failure> {
 /// for one of the coarse picture.
 const JUDGE: u64 = 4;
 
-/// The picture of an epoch after so many passes.
+/// The picture of an epoch after `passes`.
 fn after_passes(session: &Session, epoch: u64) -> Result<Snapshot, Failure> {
     loop {
         if let Some(snapshot) = next(session, PATIENCE)?

@@ -45,7 +45,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", default_value_t = 64,
           value_parser = clap::value_parser!(u64).range(1..=Session::MAX_PASSES))]
     passes: u64,
-    /// Ends a curve before a checkpoint that would come after so many seconds.
+    /// Ends a curve before a checkpoint that would come after this number of seconds.
     #[arg(long, value_name = "S", value_parser = values::seconds)]
     seconds: Option<f64>,
     #[command(flatten)]

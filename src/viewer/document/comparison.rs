@@ -1,4 +1,4 @@
-//! Which two pictures are compared, and how they are laid out.
+//! The choice of two pictures to compare, and of their layout.
 
 use crate::viewer::style::numbers::digits;
 use burnish::brdf::Model;
@@ -6,7 +6,7 @@ use burnish::measure::match_roughness::Criterion;
 use burnish::progressive::Snapshot;
 use std::path::PathBuf;
 
-/// How two pictures are laid out.
+/// Layout of two pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Layout {
     /// One left of a bar, the other right of it.
@@ -49,7 +49,7 @@ impl Layout {
 /// The first of the two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum First {
-    /// What is being traced.
+    /// The picture being traced.
     Shown,
     Tag,
     File,
@@ -78,9 +78,9 @@ impl First {
 /// The second of the two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Second {
-    /// The same with another model.
+    /// The picture being traced, with another model.
     Model(Model),
-    /// The same with another roughness of what the slider speaks of.
+    /// The picture being traced, with another roughness of the materials that the slider speaks of.
     Roughness,
     Tag,
     File,
@@ -117,7 +117,7 @@ pub(crate) struct Frozen {
     pub(crate) noise: Option<f64>,
 }
 
-/// What the section "Compare" sets: it stays the same from scene to scene.
+/// All that the section "Compare" sets. It stays the same from scene to scene.
 #[derive(Clone)]
 pub(crate) struct Comparison {
     pub(crate) on: bool,
@@ -126,7 +126,7 @@ pub(crate) struct Comparison {
     pub(crate) second: Second,
     pub(crate) tag: Option<Frozen>,
     pub(crate) file: Option<Frozen>,
-    /// What is to be equal where the second has another model; the alphas themselves if none.
+    /// The property that is equal where the second has another model; the alphas themselves if none.
     pub(crate) criterion: Option<Criterion>,
     /// The other alpha, where the second has another roughness.
     pub(crate) alpha: f64,
@@ -187,7 +187,7 @@ impl Comparison {
         }
     }
 
-    /// What the two are called.
+    /// Names of the two.
     pub(crate) fn names(&self, shown: Model) -> [String; 2] {
         let model = shown.title();
         let frozen = |f: Option<&Frozen>| f.map_or("none yet".to_owned(), |f| f.name.clone());

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-/// What can be opened, what is meant first at the front. What an .obj or a .scn names is read with it.
+/// File name extensions that can be opened, the likeliest first. Files that an .obj or a .scn names are read with it.
 const SCENES: [&str; 3] = ["scn", "obj", "ply"];
 /// Files that are read with a scene, if that names them: nothing is missed where they are dropped too.
 const PARTS: [&str; 1] = ["mtl"];

@@ -1,5 +1,5 @@
-//! How the error of each picture of a scene fell while it was traced: bounded histories of what the
-//! snapshots told, for a plot and for the time still to go.
+//! How the error of each picture of a scene fell while it was traced: bounded histories of the
+//! snapshots' estimates, for a plot and for the time still to go.
 
 use crate::viewer::style::numbers::digits;
 use burnish::film::Interval;
@@ -10,7 +10,7 @@ use std::sync::Arc;
 /// An error at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Point {
-    /// Of tracing this picture, pauses and other pictures' turns not counted.
+    /// Seconds of tracing this picture, pauses and other pictures' turns not counted.
     pub(crate) seconds: f64,
     /// Whole passes.
     pub(crate) passes: u64,
@@ -66,7 +66,7 @@ impl History {
         }
     }
 
-    /// The error after so many seconds, along straight lines between the points' logarithms; `None`
+    /// The error after `seconds` of tracing, along straight lines between the points' logarithms; `None`
     /// before the first and after the last.
     pub(crate) fn at(&self, seconds: f64) -> Option<f64> {
         let after = self.points.partition_point(|p| p.seconds < seconds);
@@ -87,11 +87,11 @@ fn step(seconds: f64) -> i64 {
     (seconds.log10().clamp(first, last) * History::PER_DECADE).floor() as i64
 }
 
-/// How the error of one picture fell.
+/// The error of one picture over time.
 #[derive(Clone, Debug)]
 pub(crate) struct Curve {
     pub(crate) params: Params,
-    /// Told by the picture itself.
+    /// By the picture's own replicates.
     pub(crate) estimated: History,
     /// Against the reference.
     pub(crate) truth: History,
@@ -108,10 +108,10 @@ pub(crate) struct Curves {
 impl Curves {
     /// More pictures than this are not remembered.
     pub(crate) const MOST: usize = 24;
-    /// A picture that was left before it had so many passes or seconds was a step of a drag.
+    /// Passes and seconds from which on a picture is remembered: one that had less was a step of a drag.
     const WORTH: (u64, f64) = (32, 1.0);
 
-    /// Takes in what a snapshot of these parameters tells.
+    /// Adds the error estimate of a snapshot of these parameters.
     pub(crate) fn note(&mut self, params: &Params, snapshot: &Snapshot) {
         let curve = self.curve(params);
         curve.seen = (snapshot.passes, snapshot.seconds);
@@ -124,7 +124,7 @@ impl Curves {
         }
     }
 
-    /// Takes in the distance of such a snapshot from the reference.
+    /// Adds the distance of such a snapshot from the reference.
     pub(crate) fn note_truth(&mut self, params: &Params, seconds: f64, passes: u64, error: f64) {
         // What was left, and forgotten, meanwhile is not begun again.
         let Some(curve) = self.curves.iter_mut().find(|c| c.params == *params) else { return };
@@ -135,17 +135,17 @@ impl Curves {
         }
     }
 
-    /// Forgets all that was told of a reference.
+    /// Forgets all distances from a reference.
     pub(crate) fn forget_truth(&mut self) {
         self.curves.iter_mut().for_each(|curve| curve.truth = History::default());
     }
 
-    /// That of these parameters.
+    /// The curve of these parameters.
     pub(crate) fn of(&self, params: &Params) -> Option<&Curve> {
         self.curves.iter().find(|c| c.params == *params)
     }
 
-    /// Those of the same view: of these parameters first, then of the same materials in the order of
+    /// The curves of the same view: of these parameters first, then of the same materials in the order of
     /// the models, then the others, the latest first.
     pub(crate) fn of_view(&self, params: &Params) -> Vec<&Curve> {
         let same_view = |c: &&Curve| {
@@ -190,7 +190,7 @@ impl Curves {
     }
 }
 
-/// What a picture is of, told from another one of the scene: "GGX 0.141", "GGX 0.02 to 0.3, BRDF
+/// The name of a picture that tells it from another one of the scene: "GGX 0.141", "GGX 0.02 to 0.3, BRDF
 /// sampling".
 pub(crate) fn name(p: &Params, other: &Params) -> String {
     let mut name = p.model.title().to_owned();

@@ -19,7 +19,7 @@ impl Exposures {
         self.0.push((source.clone(), stops));
     }
 
-    /// That of a scene; 0 for one not seen yet.
+    /// The exposure of a scene; 0 for one not seen yet.
     pub(crate) fn of(&self, source: &Source) -> f32 {
         self.0.iter().find(|(of, _)| of == source).map_or(0.0, |(_, stops)| *stops)
     }

@@ -5,7 +5,7 @@ use crate::viewer::style::labels::{self, Control};
 use crate::viewer::style::numbers::{duration, percent};
 use burnish::progressive::{ErrorEstimate, Session, Snapshot, StopRule};
 
-/// What it is that ends the tracing.
+/// The condition that ends the tracing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Stop {
     Passes,
@@ -46,10 +46,10 @@ pub(crate) struct Goal {
     pub(crate) seconds: f64,
 }
 
-/// What is known of the way to a goal.
+/// Expected way to a goal.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Outlook {
-    /// How the error falls, as far as that can be told.
+    /// Trend of the error, where it is known.
     pub(crate) trend: Option<Trend>,
     /// Passes at which the error is looked at next.
     pub(crate) look: u64,

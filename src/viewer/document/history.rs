@@ -1,6 +1,6 @@
-//! What undo and redo go through.
+//! The list of states that undo and redo go through.
 
-/// Changes within so many seconds of each other may be one step.
+/// Seconds within which changes may be one step.
 const GESTURE: f64 = 0.6;
 /// Steps that are kept.
 const MOST: usize = 200;

@@ -1,4 +1,4 @@
-//! What panels read besides what can be set: how far the picture is, and how the window stands.
+//! The state of the render and of the window, for panels to read.
 
 use crate::viewer::document::goal::Outlook;
 use crate::viewer::document::recent::Recent;
@@ -18,11 +18,11 @@ pub(crate) struct Live {
     pub(crate) is_current: bool,
     /// Whether the goal has been reached.
     pub(crate) is_done: bool,
-    /// From the last change to its first pixels.
+    /// Time from the last change to its first pixels.
     pub(crate) latency: Option<Duration>,
-    /// How far the goal is.
+    /// Expected way to the goal.
     pub(crate) outlook: Outlook,
-    /// What is kept of other parameters.
+    /// Pictures kept of other parameters.
     pub(crate) kept: KeptPictures,
     /// The pixel under the pointer.
     pub(crate) hover: Option<Hover>,
@@ -30,7 +30,7 @@ pub(crate) struct Live {
     pub(crate) room: [u32; 2],
     /// The scene being read, by name.
     pub(crate) loading: Option<String>,
-    /// Of a contact sheet in the making: the number of the picture that is traced, from 1, and of how many.
+    /// Progress of a contact sheet in the making: the number of the picture that is traced, from 1, and of how many.
     pub(crate) sheet: Option<[usize; 2]>,
     /// Worker threads; 0 for one a core.
     pub(crate) threads: usize,
@@ -38,7 +38,7 @@ pub(crate) struct Live {
     pub(crate) recent: Recent,
     /// Whether changed files are read again.
     pub(crate) watch: bool,
-    /// What happens to a picture when another is wanted.
+    /// Settings for pictures that are left for others.
     pub(crate) switching: Switching,
 }
 

@@ -1,4 +1,4 @@
-//! What the window shows and what its controls change: the one truth that all panels share.
+//! The document: the scene that is shown and all that controls change, shared by all panels.
 
 pub(crate) mod command;
 pub(crate) mod comparison;
@@ -30,13 +30,13 @@ use std::sync::Arc;
 /// A scene with everything that can be set about it. Panels change it; the app then tells the
 /// renderer.
 pub(crate) struct Document {
-    /// What the pixels depend on.
+    /// Parameters that the pixels depend on.
     pub(crate) params: Params,
-    /// Where the scene was read.
+    /// The place the scene was read from.
     pub(crate) source: Source,
     /// Its files as they were when it was read.
     pub(crate) files: Vec<Stamp>,
-    /// What the reader had to tell.
+    /// The reader's warnings and notes.
     pub(crate) report: Report,
     /// Counts the scenes opened, so that panels know a new one.
     pub(crate) number: u64,
@@ -51,19 +51,19 @@ pub(crate) struct Document {
     /// Whether the roughness is that of the picked material or that of all.
     pub(crate) only_picked: bool,
     /// The pixel last clicked: column and row from the top left.
-    pub(crate) asked: Option<[u32; 2]>,
+    pub(crate) clicked: Option<[u32; 2]>,
     /// The picture itself, or a map of it.
     pub(crate) layer: Layer,
-    /// What it is compared with.
+    /// The pictures it is compared with.
     pub(crate) comparison: Comparison,
-    /// How the errors of its pictures fell.
+    /// The errors of its pictures over time.
     pub(crate) errors: Curves,
-    /// What panels read besides.
+    /// The rest that panels read.
     pub(crate) live: Live,
     history: History<Settings>,
 }
 
-/// What undo brings back.
+/// The part of a document that undo brings back.
 #[derive(Clone)]
 struct Settings {
     params: Params,
@@ -133,7 +133,7 @@ impl Document {
         let (curve, goal) = before.map_or((tone.curve, goal), |b| (b.tone.curve, b.goal));
         let tone = Tone { curve, ..tone };
         let same = before.filter(|b| loaded.again && loaded.source == b.source);
-        let asked = same.and_then(|b| b.asked);
+        let clicked = same.and_then(|b| b.clicked);
         let follow = before.map_or(follow, |b| b.follow);
         let settings = Settings { params: params.clone(), tone, goal, follow };
         Document {
@@ -148,7 +148,7 @@ impl Document {
             follow,
             picked: None,
             only_picked: false,
-            asked,
+            clicked,
             layer: before.map_or(Layer::default(), |b| b.layer),
             comparison: before.map_or(Comparison::default(), |b| b.comparison.clone()),
             errors: Curves::default(),
@@ -166,19 +166,19 @@ impl Document {
         self.history = History::new(self.settings());
     }
 
-    /// What the camera moves about.
+    /// The box that the camera moves about.
     pub(crate) fn subject(&self) -> Subject {
         Subject::new(self.params.scene.focus())
     }
 
-    /// What is framed: the surfaces of the picked material, or else all there is to look at.
+    /// Bounds to be framed: the surfaces of the picked material, or else all there is to look at.
     pub(crate) fn framed(&self) -> [DVec3; 2] {
         let picked = self.picked.filter(|_| self.only_picked);
         let scene = &self.params.scene;
         picked.and_then(|material| scene.bounds_of(material)).unwrap_or_else(|| scene.focus())
     }
 
-    /// What the keys turn the camera about: the middle of the picked material's surfaces, or straight
+    /// The point that the keys turn the camera about: the middle of the picked material's surfaces, or straight
     /// ahead.
     pub(crate) fn pivot(&self) -> DVec3 {
         let camera = &self.params.camera;
@@ -208,9 +208,9 @@ impl Document {
     }
 
     /// The surface behind the middle of the pixel last clicked.
-    pub(crate) fn asked_hit(&self) -> Option<FirstHit> {
+    pub(crate) fn clicked_hit(&self) -> Option<FirstHit> {
         let params = &self.params;
-        let [x, y] = self.asked.filter(|p| p[0] < params.size[0] && p[1] < params.size[1])?;
+        let [x, y] = self.clicked.filter(|p| p[0] < params.size[0] && p[1] < params.size[1])?;
         let middle = [x as f32 + 0.5, y as f32 + 0.5];
         params.scene.first_hit(&params.camera, params.size, middle)
     }
@@ -233,7 +233,7 @@ impl Document {
         }
     }
 
-    /// What the roughness slider shows.
+    /// The roughness that the slider shows.
     pub(crate) fn roughness(&self) -> Shown {
         let alphas: Vec<f64> = self.concerned().map(|m| m.roughness.alpha()).collect();
         let Some(first) = self.concerned().next() else { return Shown::None };
@@ -252,7 +252,7 @@ impl Document {
             .fold([f64::INFINITY, 0.0], |[low, high], a| [low.min(a), high.max(a)])
     }
 
-    /// The same parameters with this roughness of all the materials in question.
+    /// The parameters with this roughness of all the materials in question.
     pub(crate) fn with_roughness(&self, roughness: Roughness) -> Params {
         let mut params = self.params.clone();
         for (i, material) in Arc::make_mut(&mut params.materials).iter_mut().enumerate() {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Recent(Vec<PathBuf>);
 
 impl Recent {
-    /// So many are remembered.
+    /// Largest number that is remembered.
     const MOST: usize = 10;
 
     /// As they were remembered.

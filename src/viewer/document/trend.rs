@@ -1,4 +1,4 @@
-//! Where the error of a picture is heading: after how many passes it is expected to be small enough.
+//! Extrapolation of a picture's error: after how many passes it is expected to be small enough.
 //!
 //! The error falls with the root of the passes where samples are independent, faster where they are
 //! stratified and where noisy parts get more of them, and it rises when rare bright samples turn up.
@@ -9,23 +9,23 @@ use crate::viewer::document::errors::{History, Point};
 use burnish::measure::speed::Fit;
 use burnish::progressive::{ErrorEstimate, Session, StopRule};
 
-/// How the upper limit of the error fell of late.
+/// Slope of the error's upper limit over the last passes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Trend {
     /// Passes of the newest point, and the upper 95 % limit there.
     passes: f64,
     high: f64,
-    /// Of the limit's logarithm over that of the passes.
+    /// Slope of the limit's logarithm over that of the passes.
     slope: f64,
-    /// How far back the slope was measured, as a ratio of passes.
+    /// Ratio of passes over which the slope was measured.
     seen: f64,
     /// Whether the slope is measured rather than supposed.
     pub(crate) measured: bool,
 }
 
-/// What is looked at: points of at least this part of the newest one's passes.
+/// Part of the newest point's passes that a point must have to be looked at.
 const WINDOW: f64 = 1.0 / 8.0;
-/// A slope is measured from so many points, over at least this ratio of passes.
+/// Points from which a slope is measured, and the least ratio of passes that they span.
 const POINTS: usize = 5;
 const RATIO: f64 = 3.0;
 /// Slopes that an error has which falls as errors do.
@@ -61,7 +61,7 @@ impl Trend {
         Some(Trend { high, slope, measured: true, ..supposed })
     }
 
-    /// The upper limit expected after so many passes.
+    /// The upper limit expected after `passes`.
     fn high_at(&self, passes: f64) -> f64 {
         let ahead = passes / self.passes;
         let near = ahead.min(self.seen);

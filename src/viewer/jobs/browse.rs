@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Once;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
-/// What came of a dialog.
+/// Result of a dialog.
 #[derive(Debug)]
 pub(crate) enum Picked {
     File(PathBuf),
@@ -45,7 +45,7 @@ impl Browsing {
         Ok(Browsing { result })
     }
 
-    /// What came of it; `None` while it is open.
+    /// The result; `None` while the dialog is open.
     pub(crate) fn poll(&self) -> Option<Picked> {
         match self.result.try_recv() {
             Ok(picked) => Some(picked),

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
-/// Where a scene comes from.
+/// The place a scene is read from.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Source {
     /// One that comes with burnish.
@@ -55,7 +55,7 @@ impl Source {
 pub(crate) struct Loaded {
     pub(crate) scene: Arc<Scene>,
     pub(crate) report: Report,
-    /// Where it was read.
+    /// The place it was read from.
     pub(crate) source: Source,
     /// It is to be seen from where the one before was seen, if that came from the same place.
     pub(crate) again: bool,

@@ -4,7 +4,7 @@ use egui::Context;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
-/// What a file is to become, on its way.
+/// A file being read into a `T`.
 pub(crate) struct Reading<T> {
     path: PathBuf,
     result: Receiver<Result<T, String>>,
@@ -32,7 +32,7 @@ impl<T: Send + 'static> Reading<T> {
         Ok(Reading { path, result })
     }
 
-    /// What it became or why it did not; `None` while it is on its way.
+    /// The `T` or why there is none; `None` while the file is being read.
     pub(crate) fn poll(&self) -> Option<Result<T, String>> {
         match self.result.try_recv() {
             Ok(result) => Some(result),

@@ -21,12 +21,12 @@ impl Saving {
         Saving::start(ctx, "snapshot", move || job.run())
     }
 
-    /// The same with an edited scene.
+    /// Starts to write an edited scene.
     pub(crate) fn scene(ctx: &Context, job: SceneJob) -> Result<Saving, String> {
         Saving::start(ctx, "scene", move || job.run())
     }
 
-    /// The same with a plot.
+    /// Starts to write a plot.
     pub(crate) fn plot(ctx: &Context, job: PlotJob) -> Result<Saving, String> {
         Saving::start(ctx, "plot", move || job.run())
     }
@@ -50,7 +50,7 @@ impl Saving {
         Ok(Saving { what, result })
     }
 
-    /// Where it went, or why not; `None` while it is being written.
+    /// The place it was written to, or why it was not; `None` while it is being written.
     pub(crate) fn poll(&self) -> Option<Result<String, String>> {
         match self.result.try_recv() {
             Ok(result) => Some(result),
@@ -62,10 +62,10 @@ impl Saving {
     }
 }
 
-/// What to write and where.
+/// A snapshot to write, and the place it goes to.
 pub(crate) struct Job {
     pub(crate) snapshot: Snapshot,
-    /// How to make it again; none for a picture that is older than the last change.
+    /// The recipe to make it again; none for a picture that is older than the last change.
     pub(crate) recipe: Option<Recipe>,
     pub(crate) tone: Tone,
     pub(crate) folder: PathBuf,
@@ -181,7 +181,7 @@ pub(crate) fn free_names(folder: &Path, stem: &str) -> Option<[PathBuf; 2]> {
         .find(|names| names.iter().all(|name| !name.exists()))
 }
 
-/// How a picture's file names begin: with the scene's name, the model's and, if the picture is wrong
+/// Beginning of a picture's file names: the scene's name, the model's and, if the picture is wrong
 /// on purpose, the erratum's.
 pub(crate) fn stem(params: &Params) -> String {
     let wrong = params.erratum.filter(|e| e.concerns(params.model));

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 
-/// What to make and where it goes.
+/// A sheet to make, and the place it goes to.
 pub(crate) struct SheetJob {
     pub(crate) sheet: Sheet,
     /// Worker threads; 0 for one a core.
@@ -30,12 +30,12 @@ pub(crate) struct MakingSheet {
     pub(crate) at: usize,
 }
 
-/// What is heard of a sheet.
+/// News of a sheet in the making.
 #[derive(Debug, PartialEq)]
 pub(crate) enum News {
     /// Another picture is traced: its number from 1, and what it is.
     At(usize, String),
-    /// Where the sheet went, or why not.
+    /// The end: the place of the sheet, or why there is none.
     End(Result<String, String>),
 }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, SystemTime};
 
-/// From one look to the next. A file is done with once two looks find it the same.
+/// Time from one look to the next. A file is done with once two looks find it the same.
 const PERIOD: Duration = Duration::from_millis(250);
 
 /// A file and what its folder says of it.
@@ -42,12 +42,12 @@ impl Watch {
         if known.is_empty() {
             return None;
         }
-        let (tell, changed) = channel();
+        let (notify, changed) = channel();
         let (more, added) = channel();
         let ctx = ctx.clone();
         let look = move || {
             look_after(known, &added, || {
-                let heard = tell.send(()).is_ok();
+                let heard = notify.send(()).is_ok();
                 ctx.request_repaint();
                 heard
             });
@@ -68,9 +68,9 @@ impl Watch {
     }
 }
 
-/// Calls `tell` after each change, until it says that nobody listens, or the sender of `added` is
+/// Calls `notify` after each change, until it returns false, or the sender of `added` is
 /// gone.
-fn look_after(mut known: Vec<Stamp>, added: &Receiver<Vec<Stamp>>, tell: impl Fn() -> bool) {
+fn look_after(mut known: Vec<Stamp>, added: &Receiver<Vec<Stamp>>, notify: impl Fn() -> bool) {
     let mut before = Vec::new();
     loop {
         match added.recv_timeout(PERIOD) {
@@ -88,7 +88,7 @@ fn look_after(mut known: Vec<Stamp>, added: &Receiver<Vec<Stamp>>, tell: impl Fn
         let now: Vec<Stamp> = known.iter().map(|s| Stamp::of(&s.path)).collect();
         if now != known && settled(&known, &before, &now) {
             known.clone_from(&now);
-            if !tell() {
+            if !notify() {
                 return;
             }
         }
@@ -129,8 +129,9 @@ mod tests {
         fs::write(&path, "one").unwrap();
         let known = vec![Stamp::of(&path)];
         let (stopper, stop) = channel();
-        let (tell, told) = channel();
-        let thread = std::thread::spawn(move || look_after(known, &stop, || tell.send(()).is_ok()));
+        let (notify, told) = channel();
+        let thread =
+            std::thread::spawn(move || look_after(known, &stop, || notify.send(()).is_ok()));
         fs::write(&path, "three").unwrap();
         told.recv_timeout(Duration::from_secs(60)).unwrap();
         drop(stopper);
@@ -146,9 +147,9 @@ mod tests {
         let stale = Stamp { path: first.clone(), state: None };
         let known = vec![Stamp::of(&first)];
         let (more, added) = channel();
-        let (tell, told) = channel();
+        let (notify, told) = channel();
         let thread =
-            std::thread::spawn(move || look_after(known, &added, || tell.send(()).is_ok()));
+            std::thread::spawn(move || look_after(known, &added, || notify.send(()).is_ok()));
         more.send(vec![stale, Stamp::of(&second)]).unwrap();
         std::thread::sleep(4 * PERIOD);
         assert_eq!(told.try_iter().count(), 0, "nothing has changed");

@@ -22,14 +22,14 @@ pub(crate) struct Compare {
     difference: Background<Question, Answer>,
     /// Whether it was on when last drawn: its section opens with it.
     was_on: bool,
-    /// What was last to be compared, and when, in egui's seconds.
+    /// The last question, and when it was asked, in egui's seconds.
     asked: Option<(Question, f64)>,
 }
 
 /// Pictures that are being traced are compared this often, in seconds: the workers want the cores.
 const PAUSE: f64 = 1.0;
 
-/// Which roughnesses are to be matched.
+/// Roughnesses to be matched.
 #[derive(Clone, Debug, PartialEq)]
 struct Matching {
     from: Model,
@@ -55,7 +55,7 @@ impl Default for Compare {
 }
 
 impl Compare {
-    /// What is to be traced beside the picture of the document, if that is what is compared.
+    /// Parameters to be traced beside those of the document, if such two are compared.
     pub(crate) fn beside(&mut self, ctx: &egui::Context, document: &Document) -> Option<Params> {
         let Comparison { on, second, alpha, .. } = document.comparison;
         if !on {
@@ -157,7 +157,7 @@ impl Compare {
         }
     }
 
-    /// What was found of the difference.
+    /// Draws the verdict on the difference.
     fn verdict(&self, ui: &mut Ui) {
         let Some(answer) = self.difference.last() else { return };
         match &answer.verdict {

@@ -155,7 +155,7 @@ fn applies_to(ui: &mut Ui, document: &mut Document) {
     }
 }
 
-/// What it is that ends the tracing, and its figure.
+/// Draws the condition that ends the tracing, and its number.
 fn stop_at(ui: &mut Ui, document: &mut Document) {
     let chosen = document.goal.stop;
     widgets::field(ui, &labels::STOP_AT, |ui, _| {

@@ -27,13 +27,13 @@ use egui::{Label, RichText, Sense, TextStyle, Ui, vec2};
 
 /// Curves of other materials or methods than the shown ones that are drawn at most.
 const OTHERS: usize = 4;
-/// Height of what is told of the figures' origin, in points: two lines of small type.
+/// Height of the words on the numbers' origin, in points: two lines of small type.
 const CAPTION: f32 = 30.0;
 
 #[derive(Default)]
 pub(crate) struct ErrorPanel {
     distances: Distances,
-    /// The time whose values are told, in seconds, while the pointer or the keyboard is there.
+    /// The time whose values the table has, in seconds, while the pointer or the keyboard is there.
     cursor: Option<f64>,
     pub(crate) exports: Exports,
 }
@@ -50,7 +50,8 @@ impl Panel for ErrorPanel {
         self.exports.receive(actions);
         let newest = document.live.current().cloned();
         let error = newest.as_ref().and_then(|s| s.error);
-        let badge = error.map(|e| Badge { text: told(e.relative.value, e.reliable), warns: false });
+        let badge =
+            error.map(|e| Badge { text: error_words(e.relative.value, e.reliable), warns: false });
         widgets::section(ui, "error", labels::ERRORS, badge, false, |ui| {
             self.distances.choose(ui, &document.comparison);
             let Document { params, errors, .. } = document;
@@ -127,14 +128,14 @@ impl Row<'_> {
 }
 
 /// 1.81 %, or 1.81 % ? while it cannot be relied on.
-fn told(error: f64, reliable: bool) -> String {
+fn error_words(error: f64, reliable: bool) -> String {
     format!("{}{}", percent(error), if reliable { "" } else { " ?" })
 }
 
 /// The values at the cursor, or the newest.
 fn table(ui: &mut Ui, rows: &[Row], shown: &Params, cursor: Option<f64>, against: bool) {
     let figure = |history: &History| {
-        let newest = |p: &Point| told(p.error, p.reliable);
+        let newest = |p: &Point| error_words(p.error, p.reliable);
         let found = match cursor {
             Some(seconds) => history.at(seconds).map(percent),
             None => history.newest().map(newest),
@@ -149,7 +150,7 @@ fn table(ui: &mut Ui, rows: &[Row], shown: &Params, cursor: Option<f64>, against
         let words = |ui: &mut Ui| {
             ui.label(RichText::new(head).small().weak());
         };
-        let response = widgets::figures(ui, words, ["estimated", second], true);
+        let response = widgets::number_row(ui, words, ["estimated", second], true);
         response.on_hover_text(labels::ERROR_TABLE);
         for row in rows {
             let estimated = row.curve.map_or("-".to_owned(), |c| figure(&c.estimated));
@@ -167,7 +168,7 @@ fn table(ui: &mut Ui, rows: &[Row], shown: &Params, cursor: Option<f64>, against
                 let text = if row.params == *shown { text.strong() } else { text };
                 ui.add(Label::new(text).truncate());
             };
-            widgets::figures(ui, label, [&estimated, &other], false);
+            widgets::number_row(ui, label, [&estimated, &other], false);
         }
     });
 }

@@ -1,4 +1,4 @@
-//! What a plot is taken along as: a table, an SVG file, a picture.
+//! Export of plots: as a table, an SVG file, a picture.
 
 use crate::viewer::jobs::save::Plot;
 use crate::viewer::keys::Action;
@@ -10,7 +10,7 @@ use std::sync::mpsc::{Receiver, channel};
 
 /// Curves that leave the window.
 pub(crate) struct Export {
-    /// How a file's name begins, such as "lobes_f-cos_alpha-0.1414".
+    /// Beginning of a file's name, such as "lobes_f-cos_alpha-0.1414".
     pub(crate) stem: String,
     pub(crate) content: Content,
 }
@@ -26,7 +26,7 @@ pub(crate) enum Content {
 pub(crate) struct Exports {
     /// A picture of the plot, once the window has made it.
     shot: Option<Receiver<Shot>>,
-    /// What is to be written or told.
+    /// The export to be written or copied.
     ready: Option<Export>,
 }
 
@@ -62,7 +62,7 @@ impl Exports {
         actions.push(Action::Export);
     }
 
-    /// What is ready to leave.
+    /// Takes the export that is ready.
     pub(crate) fn take(&mut self) -> Option<Export> {
         self.ready.take()
     }
@@ -89,7 +89,7 @@ fn shoot(ctx: &Context, place: Rect, stem: String) -> Receiver<Shot> {
     shot
 }
 
-/// What lies within a rectangle in points, as far as the picture goes.
+/// Part of a picture within a rectangle in points, clipped to the picture.
 fn part(window: &ColorImage, place: Rect, scale: f32) -> ColorImage {
     let [width, height] = window.size;
     let within = |from: f32, to: f32, size: usize| {

@@ -18,7 +18,7 @@ use burnish::measure::plot::Style;
 use burnish::scene::Material;
 use egui::{RichText, Slider, Ui, vec2};
 
-/// Equally spaced angles of a curve: one for each point of the panel's width, about.
+/// Number of equally spaced angles of a curve: about one for each point of the panel's width.
 const ANGLES: usize = 361;
 /// The viewer's largest angle that the slider reaches, in degrees.
 const MOST: f64 = 89.0;
@@ -26,10 +26,10 @@ const MOST: f64 = 89.0;
 pub(crate) struct LobePanel {
     quantity: Quantity,
     style: Style,
-    /// Of the viewer, in degrees.
+    /// Angle of the viewer, in degrees.
     theta_o: f64,
     source: Source,
-    /// The angle whose values are told, in radians, while the pointer or the keyboard is there.
+    /// The angle whose values the table has, in radians, while the pointer or the keyboard is there.
     cursor: Option<f64>,
     curves: Background<Question, LobeCurves>,
     pub(crate) exports: Exports,
@@ -38,11 +38,11 @@ pub(crate) struct LobePanel {
 /// Whose lobe it is.
 #[derive(Clone, Copy, PartialEq)]
 enum Source {
-    /// That of F = 1 at the slider's roughness.
+    /// The lobe of F = 1 at the slider's roughness.
     White,
     /// The picked material's.
     Material,
-    /// That of the surface behind the clicked pixel, at its viewer's angle.
+    /// The lobe of the surface behind the clicked pixel, at its viewer's angle.
     Pixel,
 }
 
@@ -132,7 +132,7 @@ impl LobePanel {
         };
         two(ui, &labels::AXES, &mut self.style.polar, labels::AXES_CHOICES);
         two(ui, &labels::SCALE, &mut self.style.log, labels::SCALE_CHOICES);
-        let pixel = asked_material(document).is_some();
+        let pixel = clicked_material(document).is_some();
         let all = [
             (Source::White, labels::WHITE, true),
             (Source::Material, labels::OF_MATERIAL, selected(document).is_some()),
@@ -152,7 +152,7 @@ impl LobePanel {
 
     /// The viewer's angle: the slider's, or the clicked pixel's, which moving the slider leaves.
     fn viewer(&mut self, ui: &mut Ui, document: &Document) {
-        if let Some(hit) = document.asked_hit().filter(|_| self.source == Source::Pixel) {
+        if let Some(hit) = document.clicked_hit().filter(|_| self.source == Source::Pixel) {
             self.theta_o = hit.theta_o.to_degrees().min(MOST);
         }
         widgets::field(ui, &labels::THETA_O, |ui, label| {
@@ -177,7 +177,7 @@ impl LobePanel {
         let material = match self.source {
             Source::White => None,
             Source::Material => selected(document),
-            Source::Pixel => asked_material(document),
+            Source::Pixel => clicked_material(document),
         };
         match material {
             Some(material) => Channel {
@@ -195,9 +195,9 @@ fn selected(document: &Document) -> Option<&Material> {
     document.picked_material().filter(|_| document.only_picked)
 }
 
-/// That of the surface behind the clicked pixel.
-fn asked_material(document: &Document) -> Option<&Material> {
-    document.params.materials.get(document.asked_hit()?.material as usize)
+/// Material of the surface behind the clicked pixel.
+fn clicked_material(document: &Document) -> Option<&Material> {
+    document.params.materials.get(document.clicked_hit()?.material as usize)
 }
 
 /// f is linear in Kd, and in Ks but for a constant: its luminance is that of the luminances.
@@ -205,7 +205,7 @@ pub(crate) fn luminance(c: [f32; 3]) -> f64 {
     burnish::math::Rgb::from(c).luminance().into()
 }
 
-/// Where the values are told of when nobody points anywhere: at the mirror direction.
+/// The angle whose values the table has while no angle is pointed at: the mirror direction's.
 fn resting(curves: &LobeCurves) -> f64 {
     if curves.quantity.has_viewer() { curves.theta_o } else { 0.0 }
 }
@@ -214,7 +214,7 @@ fn resting(curves: &LobeCurves) -> f64 {
 fn table(ui: &mut Ui, curves: &LobeCurves, shown: Model, angle: f64) {
     let at = format!("at {:.1}\u{b0}", angle.to_degrees());
     let tip = "Share of light from everywhere alike that leaves towards the viewer, no unit.";
-    widgets::figures(ui, |_| {}, [&at, "albedo"], true).on_hover_text(tip);
+    widgets::number_row(ui, |_| {}, [&at, "albedo"], true).on_hover_text(tip);
     for (m, model) in Model::ALL.into_iter().enumerate() {
         let found = value(model, curves.quantity, curves.channel, curves.theta_o, angle);
         let figures = [digits(found, 4), format!("{:.4}", curves.albedo[m])];
@@ -225,11 +225,11 @@ fn table(ui: &mut Ui, curves: &LobeCurves, shown: Model, angle: f64) {
             let name = RichText::new(model.title());
             ui.label(if model == shown { name.strong() } else { name });
         };
-        widgets::figures(ui, name, [&figures[0], &figures[1]], false);
+        widgets::number_row(ui, name, [&figures[0], &figures[1]], false);
     }
 }
 
-/// How the curves' file names begin.
+/// Beginning of the curves' file names.
 fn stem(curves: &LobeCurves) -> String {
     let quantity = curves.quantity.title().replace(' ', "-");
     format!("lobes_{quantity}_alpha-{:.4}", curves.channel.roughness.alpha())

@@ -12,7 +12,7 @@ use burnish::scene::{Material, MaterialId};
 use egui::{Align, Button, Layout, Response, RichText, ScrollArea, TextStyle, Ui};
 use std::ops::Range;
 
-/// At least so many lines are shown at once; half a line tells that there are more.
+/// Least number of lines that are shown at once; half a line says that there are more.
 const LINES: f32 = 3.5;
 /// A list of more materials is drawn only where it is seen, or it would take all of a frame's time.
 /// The keyboard then walks what is seen.
@@ -94,7 +94,7 @@ impl Materials {
     }
 }
 
-/// What a roughness concerns first, then what shines, then what is diffuse; else as in the scene.
+/// Order of the list: materials with a lobe, then emitters, then diffuse ones; else as in the scene.
 fn order(materials: &[Material]) -> Vec<MaterialId> {
     let rank = |material: &Material| match material {
         material if has_lobe(material) => 0,
@@ -106,7 +106,7 @@ fn order(materials: &[Material]) -> Vec<MaterialId> {
     order
 }
 
-/// What the columns are.
+/// Draws the heads of the columns.
 fn header(ui: &mut Ui) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;

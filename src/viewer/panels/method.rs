@@ -1,4 +1,4 @@
-//! How light is sampled, and the mistakes that can be made on purpose.
+//! The sections "Sampling" and "Deliberate bugs".
 
 use crate::viewer::document::Document;
 use crate::viewer::keys::Action;
@@ -72,7 +72,7 @@ fn strategy(ui: &mut Ui, params: &mut Params) {
     });
 }
 
-/// How a strategy finds light.
+/// Describes how a strategy finds light.
 pub(crate) fn found(strategy: Strategy) -> &'static str {
     match strategy {
         Strategy::Mis => {
@@ -98,7 +98,7 @@ fn normals(ui: &mut Ui, params: &mut Params) {
     });
 }
 
-/// Which normals are drawn, with Phong or another model.
+/// Describes the normals that are drawn, with Phong or another model.
 pub(crate) fn drawn(normals: Normals, phong: bool) -> &'static str {
     match normals {
         _ if phong => "Phong has no distribution of visible normals: it samples the whole one.",

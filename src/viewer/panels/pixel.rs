@@ -29,12 +29,12 @@ const MOST: f64 = 89.0;
 
 pub(crate) struct PixelPanel {
     samples: u64,
-    /// Angle of the light at which the factors are told, in degrees; the mirror direction's without.
+    /// Angle of the light at which the factors are shown, in degrees; the mirror direction's without.
     theta_i: Option<f64>,
     /// Whether the brightest path is drawn over the picture.
     draws_path: bool,
     reports: Background<Question, Option<Arc<Answer>>>,
-    /// What was shown in this frame, if the section is open.
+    /// The answer shown in this frame, if the section is open.
     shown: Option<Arc<Answer>>,
 }
 
@@ -68,7 +68,8 @@ impl Panel for PixelPanel {
     /// Costs nothing while it is closed.
     fn ui(&mut self, ui: &mut Ui, document: &mut Document, _: &mut Vec<Action>) {
         self.shown = None;
-        let badge = document.asked.map(|[x, y]| Badge { text: format!("{x}, {y}"), warns: false });
+        let badge =
+            document.clicked.map(|[x, y]| Badge { text: format!("{x}, {y}"), warns: false });
         widgets::section(ui, "pixel", labels::PIXEL, badge, false, |ui| self.body(ui, document));
     }
 }
@@ -76,7 +77,7 @@ impl Panel for PixelPanel {
 impl PixelPanel {
     fn body(&mut self, ui: &mut Ui, document: &mut Document) {
         self.question(ui, document);
-        let Some(pixel) = document.asked else {
+        let Some(pixel) = document.clicked else {
             ui.add(
                 Label::new(RichText::new("Click into the picture to ask a pixel.").weak()).wrap(),
             );
@@ -87,7 +88,7 @@ impl PixelPanel {
             ui.weak("This pixel is outside of the picture.");
             return;
         }
-        match document.asked_hit() {
+        match document.clicked_hit() {
             Some(hit) => self.surface(ui, document, &hit),
             None => drop(ui.weak("Nothing is hit behind the pixel's middle.")),
         }
@@ -114,16 +115,16 @@ impl PixelPanel {
         self.shown = Some(answer).filter(|_| current);
     }
 
-    /// Which pixel, by how many samples: also by keyboard.
+    /// Draws the fields of the pixel and of its number of samples.
     fn question(&mut self, ui: &mut Ui, document: &mut Document) {
         let [width, height] = document.params.size;
-        let mut asked = document.asked.unwrap_or([width / 2, height / 2]);
-        let before = asked;
+        let mut clicked = document.clicked.unwrap_or([width / 2, height / 2]);
+        let before = clicked;
         widgets::field(ui, &labels::ASKED, |ui, _| {
             ui.spacing_mut().item_spacing.x = 4.0;
             let size = vec2((ui.available_width() - 4.0) / 2.0, theme::ROW);
             let fields = [(&labels::COLUMN, width), (&labels::ROW, height)];
-            for ((control, side), value) in fields.into_iter().zip(&mut asked) {
+            for ((control, side), value) in fields.into_iter().zip(&mut clicked) {
                 let most = u64::from(side.saturating_sub(1));
                 let field = NumberField {
                     name: control.name,
@@ -140,8 +141,8 @@ impl PixelPanel {
                 field.on_hover_text(control.tip);
             }
         });
-        if asked != before {
-            document.asked = Some(asked);
+        if clicked != before {
+            document.clicked = Some(clicked);
         }
         widgets::field(ui, &labels::SAMPLES, |ui, label| {
             let size = vec2(ui.available_width(), theme::ROW);
@@ -268,7 +269,7 @@ impl PixelPanel {
         self.shown.is_some()
     }
 
-    /// What is shown of it.
+    /// The report that is shown.
     #[cfg(test)]
     pub(crate) fn report(&self) -> Option<&PixelReport> {
         self.shown.as_ref().map(|answer| &answer.report)

@@ -1,4 +1,4 @@
-//! What the scene's reader had to tell: warnings with their lines, and facts.
+//! The section "Scene": the reader's warnings with their lines, and its notes.
 
 use crate::viewer::document::Document;
 use crate::viewer::keys::{self, Action};

@@ -128,7 +128,7 @@ fn pixel(ui: &mut Ui, hover: &Hover, size: [u32; 2]) {
     let _ = hovered(hover, size).into_iter().any(|words| figure(ui, words, tip));
 }
 
-/// What is told of a pixel, from the longest to the shortest. Its columns are as wide as they get,
+/// Words about a pixel, from the longest to the shortest. Its columns are as wide as they get,
 /// so that nothing moves from pixel to pixel.
 pub(crate) fn hovered(hover: &Hover, size: [u32; 2]) -> [String; 3] {
     let [x, y] = hover.pixel;
@@ -148,7 +148,7 @@ pub(crate) fn hovered(hover: &Hover, size: [u32; 2]) -> [String; 3] {
     [format!("{least} \u{b1}{error}  {samples:>15}"), format!("{least} \u{b1} {largest:>7}"), least]
 }
 
-/// Of a text in the line, in points.
+/// Width of a text in the line, in points.
 fn width_of(ui: &Ui, text: &str) -> f32 {
     let font = egui::TextStyle::Monospace.resolve(ui.style());
     ui.painter().layout_no_wrap(text.to_owned(), font, Color32::PLACEHOLDER).size().x

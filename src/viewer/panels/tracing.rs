@@ -23,7 +23,7 @@ const SIZES: [[u32; 2]; 8] = [
     [1920, 1080],
     [3840, 2160],
 ];
-/// The most that the field takes. Light that has met so many surfaces carries nothing any more.
+/// Largest depth that can be set. Light that has met more surfaces carries nothing any more.
 const DEEPEST: u32 = 1000;
 const MOST_THREADS: u32 = 1024;
 
@@ -172,7 +172,7 @@ fn size(ui: &mut Ui, document: &mut Document) {
     *follow &= params.size == before || params.size == room;
 }
 
-/// Which part of the picture is traced; whether the whole is wished for.
+/// Draws the part of the picture that is traced; true once the whole is asked for.
 fn crop(ui: &mut Ui, crop: Crop) -> bool {
     let [x, y, side] = crop.parts().map(percent);
     widgets::field(ui, &labels::CROP, |ui, _| {
@@ -219,8 +219,9 @@ fn whole_number(ui: &mut Ui, label: Id, value: u64, width: f32) -> Option<u64> {
     let number = text.trim().parse();
     if meant && number.is_err() {
         let text = text.trim();
-        let told = format!("Seed: \"{text}\" is no whole number from 0 to {}; it stays", u64::MAX);
-        number_field::tell(ui.ctx(), told);
+        let complaint =
+            format!("Seed: \"{text}\" is no whole number from 0 to {}; it stays", u64::MAX);
+        number_field::complain(ui.ctx(), complaint);
     }
     number.ok().filter(|_| meant)
 }

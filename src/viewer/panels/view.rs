@@ -1,4 +1,4 @@
-//! How the picture is shown: exposure, tone curve, camera, light or dark.
+//! The section "View": exposure, tone curve, camera, light or dark.
 
 use crate::viewer::document::Document;
 use crate::viewer::keys::{self, Action};
@@ -28,14 +28,14 @@ impl View {
     /// Exposures that the slider reaches, in stops.
     pub(crate) const STOPS: [f32; 2] = [-10.0, 10.0];
 
-    /// Changes the exposure by so many stops.
+    /// Adds `stops` to the exposure, within its range.
     pub(crate) fn expose(document: &mut Document, stops: f32) {
         let [low, high] = Self::STOPS;
         document.tone.exposure = (document.tone.exposure + stops).clamp(low, high);
     }
 }
 
-/// Which of the layers is shown: none where a difference takes the picture's place.
+/// Draws the choice of layers: none is shown where a difference takes the picture's place.
 fn layer(ui: &mut Ui, document: &mut Document) {
     widgets::field(ui, &labels::LAYER, |ui, _| {
         let there = !document.comparison.is_difference();
@@ -77,7 +77,7 @@ fn curve(ui: &mut Ui, document: &mut Document) {
     });
 }
 
-/// What a curve does.
+/// Describes a curve.
 pub(crate) fn describe(curve: Curve) -> &'static str {
     match curve {
         Curve::Srgb => "min(x, 1): what is too bright is clipped.",

@@ -26,12 +26,12 @@ const STEP: f64 = std::f64::consts::PI / 36.0;
 /// Shift of one press of an arrow key, in heights of the picture.
 const SHIFT: f64 = 0.05;
 
-/// How large the picture is drawn.
+/// Size at which the picture is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Zoom {
     /// As large as the space allows.
     Fit,
-    /// So many pixels of the screen for one of the picture.
+    /// Pixels of the screen for one of the picture.
     Times(f32),
 }
 
@@ -52,27 +52,27 @@ pub(crate) struct Canvas {
     difference: DifferenceTexture,
     /// The colours of what is shown of the pictures.
     pub(crate) maps: FalseColour,
-    /// Where the bar between the two is, as a part of the picture's width.
+    /// Place of the bar between the two, as a part of the picture's width.
     pub(crate) wipe: f32,
-    /// What the picture was last seen to be of.
+    /// View and epoch of the picture last shown.
     seen: Option<Seen>,
     zoom: Zoom,
-    /// Where the middle of the picture lies, from the middle of the space, in points.
+    /// Offset of the picture's middle from the middle of the space, in points.
     offset: Vec2,
     /// The pixel under the pointer, for the status line.
     pub(crate) hover: Option<Hover>,
-    /// What a drag turns about or moves along: where it began, if a surface was there.
+    /// The point that a drag turns about or moves along: where it began, if a surface was there.
     held: Option<DVec3>,
-    /// Where a crop that is being dragged begins, in points.
+    /// Corner at which a crop that is being dragged began, in points.
     cropping: Option<Pos2>,
-    /// Where the picture was drawn last, in points; it may reach beyond its space.
+    /// Place of the picture as last drawn, in points; it may reach beyond its space.
     pub(crate) place: Option<Rect>,
     id: Option<Id>,
     /// Pixels of the screen that a picture has room for.
     pub(crate) room: [u32; 2],
 }
 
-/// What a picture is of, and which one it is.
+/// View and epoch of a picture.
 struct Seen {
     scene: Arc<Scene>,
     camera: Camera,
@@ -223,7 +223,7 @@ impl Canvas {
         response
     }
 
-    /// Pixels of the screen for one of the picture, where it has room for so many.
+    /// Pixels of the screen for one of the picture, where it has `room` of them.
     fn times(&self, room: Vec2) -> f32 {
         match (self.zoom, self.sides[0].size()) {
             (Zoom::Times(times), _) => times,
@@ -322,7 +322,7 @@ impl Canvas {
             let params = &document.params;
             let hit = params.scene.pick(&params.camera, params.size, exact);
             document.pick(hit);
-            document.asked = Some(pixel);
+            document.clicked = Some(pixel);
         }
         ui.set_cursor_icon(match (response.dragged(), shift > 0.0) {
             (true, true) => CursorIcon::Move,

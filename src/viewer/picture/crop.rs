@@ -25,7 +25,7 @@ pub(crate) fn dragged(place: Rect, from: Pos2, to: Pos2) -> Option<Crop> {
     Crop::new(at(start.x, x), at(start.y, y), side.into()).ok()
 }
 
-/// Where a part lies on the screen.
+/// Place of a part on the screen.
 pub(crate) fn on_screen(place: Rect, part: Crop) -> Rect {
     let [x, y, side] = part.parts().map(|part| part as f32);
     let size = place.size();

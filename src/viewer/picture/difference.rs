@@ -8,7 +8,7 @@ use egui::epaint::ColorImage;
 use egui::{Align2, Color32, FontId, Painter, Rect, TextStyle, Ui, pos2, vec2};
 use std::sync::Arc;
 
-/// Which pictures are compared, and how the first is shown in grey below the colours.
+/// Pictures to be compared, and how the first is shown in grey below the colours.
 #[derive(Clone)]
 pub(crate) struct Question {
     pub(crate) first: Snapshot,
@@ -32,7 +32,7 @@ pub(crate) fn same_picture(a: &Snapshot, b: &Snapshot) -> bool {
         })
 }
 
-/// What came of it.
+/// Result of a comparison.
 pub(crate) struct Answer {
     /// The picture, and what there is to say; or why there is none.
     pub(crate) image: Option<Arc<ColorImage>>,
@@ -93,7 +93,7 @@ fn colour(grey: f32, pixel: Pixel) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 
-/// What the colours mean, at the lower left of the picture.
+/// Draws the meaning of the colours at the lower left of the picture.
 pub(crate) fn legend(ui: &Ui, painter: &Painter, place: Rect) {
     let font: FontId = TextStyle::Small.resolve(ui.style());
     let size = vec2(168.0, 36.0);

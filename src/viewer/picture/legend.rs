@@ -8,7 +8,7 @@ use egui::{Align2, Color32, FontId, Rect, Shape, Stroke, TextStyle, Ui, pos2, ve
 /// Width and height of the legend.
 const LEGEND: egui::Vec2 = vec2(240.0, 56.0);
 
-/// What the colours mean: below the picture where there is room, else over its lower left corner.
+/// Draws the scale of the colours: below the picture where there is room, else over its lower left corner.
 /// Points to the value of a pixel.
 pub(crate) fn paint(ui: &Ui, scale: &Scale, [space, place]: [Rect; 2], pixel: Pixel) {
     let painter = ui.painter_at(space);
@@ -59,7 +59,7 @@ pub(crate) fn paint(ui: &Ui, scale: &Scale, [space, place]: [Rect; 2], pixel: Pi
     }
 }
 
-/// What the legend points to.
+/// Value that the legend points to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Pixel {
     None,
@@ -68,7 +68,7 @@ pub(crate) enum Pixel {
 }
 
 impl Pixel {
-    /// Of a pixel at this place of its tile.
+    /// The value of a pixel at this place of its tile.
     pub(crate) fn of(layer: Layer, tile: &TileImage, rect: TileRect, at: [usize; 2]) -> Pixel {
         layer.value(tile, rect, at).map_or(Pixel::Unknown, Pixel::Value)
     }

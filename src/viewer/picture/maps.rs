@@ -1,4 +1,4 @@
-//! What is shown of a picture: itself, its noise, or where its samples went, the latter two in false
+//! Layers of a picture: itself, its noise, its numbers of samples, the latter two in false
 //! colour.
 
 use crate::viewer::document::comparison::Layout;
@@ -12,7 +12,7 @@ use burnish::picture::Tone;
 use burnish::progressive::{TileImage, TileRect};
 use egui::Color32;
 
-/// What is shown of a picture.
+/// A layer of a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Layer {
     #[default]
@@ -89,7 +89,7 @@ pub(crate) struct Scale {
     pub(crate) ends: [f32; 2],
 }
 
-/// So many pixels tell the range of a picture's values.
+/// Number of pixels by which the range of a picture's values is found.
 const PROBES: usize = 16_384;
 /// The part of the pixels that may lie beyond either end.
 const BEYOND: f32 = 0.02;
@@ -140,7 +140,7 @@ impl Scale {
         first <= low && low < first * spare && high <= last && high > last / spare
     }
 
-    /// Where a value lies, from 0 to 1.
+    /// Place of a value on the scale, from 0 to 1.
     pub(super) fn share(&self, value: f32) -> f32 {
         let [low, high] = self.ends.map(f32::ln);
         ((value.ln() - low) / (high - low)).clamp(0.0, 1.0)
@@ -188,7 +188,7 @@ pub(crate) struct FalseColour {
 }
 
 impl FalseColour {
-    /// How tiles become colours: on one scale for both pictures.
+    /// The look of tiles: on one scale for both pictures.
     pub(super) fn look(
         &mut self,
         layer: Layer,
@@ -210,13 +210,13 @@ impl FalseColour {
         Look::Map(scale)
     }
 
-    /// What the colours mean, while they are false ones.
+    /// The scale, while colours are false ones.
     pub(crate) fn scale(&self) -> Option<Scale> {
         self.scale
     }
 }
 
-/// Of pixels whose value is not known.
+/// Colour of pixels whose value is not known.
 pub(crate) const UNKNOWN: Color32 = Color32::from_gray(0x68);
 
 /// Every eighth of the map "viridis" of van der Walt and Smith 2015, made to be even in perceived

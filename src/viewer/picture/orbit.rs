@@ -12,13 +12,13 @@ pub(crate) struct Subject {
 }
 
 impl Subject {
-    /// From the lowest and highest corner of the scene.
+    /// The subject between the lowest and the highest corner of the scene.
     pub(crate) fn new([low, high]: [DVec3; 2]) -> Subject {
         let radius = ((high - low).length() * 0.5).max(f64::MIN_POSITIVE.sqrt());
         Subject { centre: (low + high) * 0.5, radius }
     }
 
-    /// What the camera turns about where nothing else is meant: straight ahead, as far away as the
+    /// The point that the camera turns about where nothing else is meant: straight ahead, as far away as the
     /// scene's centre.
     pub(crate) fn pivot(&self, camera: &Camera) -> DVec3 {
         camera.eye - back(camera) * self.distance(camera)

@@ -1,6 +1,6 @@
 //! The picture on the graphics card: tiles of radiance become textures of 8-bit colour.
 //!
-//! The window's thread gives tones to so many pixels a frame as it has time for, and to new tiles
+//! The window's thread gives tones to as many pixels a frame as it has time for, and to new tiles
 //! alone. More than that, as after a change of exposure of a large picture, is work for another
 //! thread; what is on the card stays until it is done, so that no picture has two exposures.
 
@@ -20,23 +20,23 @@ const AT_ONCE: usize = 1 << 18;
 
 type Tiles = Vec<Option<Arc<TileImage>>>;
 
-/// How a tile becomes colours.
+/// Map from a tile to colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Look {
     /// Its radiance, by exposure and curve.
     Tone(Tone),
-    /// What is known of its pixels, in false colour.
+    /// A layer in false colour.
     Map(Scale),
 }
 
-/// What is shown of a picture, and the textures that show it.
+/// A picture as it is shown, and the textures that show it.
 pub(crate) struct PictureTexture {
     grid: TileGrid,
     look: Look,
     options: TextureOptions,
-    /// What each tile is to show: of the newest epoch, or of an earlier one where that has none yet.
+    /// Image that each tile is to show: of the newest epoch, or of an earlier one where that has none yet.
     wanted: Tiles,
-    /// What is on the sheets, with what look and how magnified.
+    /// Images on the sheets, with what look and how magnified.
     shown: Tiles,
     shown_as: (Look, TextureOptions),
     sheets: Vec<Sheet>,
@@ -133,7 +133,7 @@ impl PictureTexture {
         news
     }
 
-    /// What is to be shown, with the tiles' places.
+    /// Images to be shown, with the tiles' places.
     pub(crate) fn tiles(&self) -> impl Iterator<Item = (&TileImage, TileRect)> + Clone {
         let tiles = self.wanted.iter().enumerate();
         tiles.filter_map(|(index, tile)| Some((tile.as_deref()?, self.grid.rect(index))))

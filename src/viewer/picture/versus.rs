@@ -14,10 +14,10 @@ use std::sync::Arc;
 
 /// The key that shows the second of two that flip.
 pub(crate) const FLIP: Key = Key::X;
-/// What the arrow keys move the bar by, as a part of the picture's width.
+/// Step of the bar for one press of an arrow key, as a part of the picture's width.
 const STEP: f32 = 0.01;
 
-/// What is compared, for one frame.
+/// A comparison to draw in one frame.
 pub(crate) struct Versus {
     pub(crate) layout: Layout,
     pub(crate) names: [String; 2],

@@ -6,7 +6,7 @@
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Control {
     pub(crate) name: &'static str,
-    /// What it does, with formula, unit and range where that applies.
+    /// A sentence that describes it, with formula, unit and range where that applies.
     pub(crate) tip: &'static str,
 }
 

@@ -1,4 +1,4 @@
-//! How the window looks and what it says: colours, spacing, widgets, labels, numbers in words.
+//! Looks and words of the window: colours, spacing, widgets, labels, numbers in words.
 
 pub(crate) mod labels;
 pub(crate) mod material_fields;

@@ -1,14 +1,14 @@
-//! Fields in which a number is typed or dragged. What is typed in vain, or taken otherwise than typed, is
-//! told.
+//! Fields in which a number is typed or dragged. A text that is no number, or is
+//! out of range, draws a complaint.
 
 use crate::viewer::style::numbers::digits;
 use egui::{Context, DragValue, Id, Key, Response, Ui, Vec2};
 use std::cell::RefCell;
 
-/// How a number is written.
+/// Format of a number.
 #[derive(Clone, Copy)]
 pub(crate) enum Written {
-    /// With so many significant digits.
+    /// With this number of significant digits.
     Digits(usize),
     /// Without a fraction.
     Whole,
@@ -16,21 +16,21 @@ pub(crate) enum Written {
 
 /// A field for one number.
 pub(crate) struct NumberField<'a> {
-    /// For what is told of it.
+    /// Its name in complaints.
     pub(crate) name: &'a str,
     pub(crate) range: [f64; 2],
-    /// What a drag by one point adds.
+    /// Amount that a drag by one point adds.
     pub(crate) speed: f64,
     pub(crate) written: Written,
     /// Before the number, with its space.
     pub(crate) prefix: &'a str,
     /// Behind the number, with its space.
     pub(crate) unit: &'a str,
-    /// In points.
+    /// Size in points.
     pub(crate) size: Vec2,
 }
 
-/// What was wrong with a text.
+/// Fault of a text.
 enum Wrong {
     NoNumber(String),
     Beyond(String, f64),
@@ -94,7 +94,7 @@ impl NumberField<'_> {
         }
         if let Some(wrong) = wrong.into_inner() {
             let name = self.name;
-            let told = match wrong {
+            let complaint = match wrong {
                 Wrong::NoNumber(text) => {
                     format!("{name}: \"{text}\" is no number; it stays as it was")
                 }
@@ -105,12 +105,12 @@ impl NumberField<'_> {
                     plain(end)
                 ),
             };
-            tell(ui.ctx(), told);
+            complain(ui.ctx(), complaint);
         }
         response
     }
 
-    /// The same for a whole number.
+    /// Draws the field for a whole number.
     pub(crate) fn whole(self, ui: &mut Ui, value: &mut u64) -> Response {
         let mut wide = *value as f64;
         let field = NumberField { written: Written::Whole, ..self };
@@ -127,16 +127,16 @@ fn plain(x: f64) -> String {
     if x == 0.0 || (1e-5..1e7).contains(&x.abs()) { format!("{x}") } else { format!("{x:e}") }
 }
 
-fn told_id() -> Id {
+fn complaint_id() -> Id {
     Id::unique("what was wrong with a number")
 }
 
-/// Takes note of what was wrong with a number, to be told.
-pub(crate) fn tell(ctx: &Context, told: String) {
-    ctx.data_mut(|d| d.insert_temp(told_id(), told));
+/// Leaves a complaint about a number, which the app shows.
+pub(crate) fn complain(ctx: &Context, complaint: String) {
+    ctx.data_mut(|d| d.insert_temp(complaint_id(), complaint));
 }
 
-/// What was wrong with the number typed last, once.
-pub(crate) fn told(ctx: &Context) -> Option<String> {
-    ctx.data_mut(|d| d.remove_temp(told_id()))
+/// The complaint about the number typed last, once.
+pub(crate) fn take_complaint(ctx: &Context) -> Option<String> {
+    ctx.data_mut(|d| d.remove_temp(complaint_id()))
 }

@@ -8,7 +8,7 @@ use egui::{
 
 /// Width of the side panel in points.
 pub(crate) const PANEL: f32 = 304.0;
-/// Between things that belong together, and between groups.
+/// Gap between things that belong together, and between groups, in points.
 pub(crate) const GAP: f32 = 8.0;
 pub(crate) const GROUP: f32 = 16.0;
 pub(crate) const RADIUS: CornerRadius = CornerRadius::same(4);

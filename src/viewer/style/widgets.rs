@@ -8,7 +8,7 @@ use egui::{
     Shape, Stroke, StrokeKind, TextStyle, Tooltip, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 
-/// How much the chosen one of a row of buttons stands out.
+/// Emphasis of the chosen one of a row of buttons.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Weight {
     /// In the accent colour: for the one choice that matters most.
@@ -101,7 +101,7 @@ pub(crate) fn button_row(ui: &mut Ui, buttons: &[(&str, String, bool)]) -> Optio
 }
 
 /// A line: what it is about, and figures in columns of their own at the right.
-pub(crate) fn figures(
+pub(crate) fn number_row(
     ui: &mut Ui,
     name: impl FnOnce(&mut Ui),
     figures: [&str; 2],
@@ -260,7 +260,7 @@ pub(crate) fn swatch(ui: &mut Ui, linear: [f32; 3]) -> Response {
     response
 }
 
-/// Where the keyboard is.
+/// Frame of the widget that has the keyboard focus.
 pub(crate) fn focus_frame(ui: &Ui, rect: Rect) {
     let stroke = Stroke::new(1.0, theme::accent_of(ui.visuals()));
     ui.painter().rect_stroke(rect, theme::RADIUS, stroke, StrokeKind::Inside);

@@ -12,7 +12,7 @@ fn copied(desk: &mut Desk) -> String {
     desk.chord(Modifiers::SHIFT, Key::V);
     assert!(desk.notice().starts_with("Copied"), "{}", desk.notice());
     let render = desk.app().render.as_ref().unwrap();
-    again(render.told(), desk.newest(), desk.doc().tone, &desk.doc().source).unwrap()
+    again(render.applied(), desk.newest(), desk.doc().tone, &desk.doc().source).unwrap()
 }
 
 /// What follows an option, with its quotes gone.

@@ -15,7 +15,7 @@ fn back_to_a_model_is_its_picture_at_once_and_goes_on() {
     assert!(ggx != beckmann);
     let epoch = desk.newest().epoch;
     desk.key(Key::Num3);
-    desk.until_told(epoch);
+    desk.until_applied(epoch);
     // The first that came of it is all of it.
     assert_eq!(desk.newest().passes, 6);
     assert!(desk.shown() == ggx);
@@ -33,7 +33,7 @@ fn the_other_models_are_refined_while_nothing_else_is_to_be_done() {
     desk.until("other models", |app| app.render.as_ref().unwrap().kept().pictures == 2);
     let epoch = desk.newest().epoch;
     desk.key(Key::Num1);
-    desk.until_told(epoch);
+    desk.until_applied(epoch);
     assert!(desk.newest().passes > 0, "Phong begins anew");
     desk.until_done(5);
 }

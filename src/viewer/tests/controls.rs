@@ -47,12 +47,12 @@ fn digits_and_buttons_choose_the_model() {
         let before = desk.newest().epoch;
         desk.key(key);
         assert_eq!(desk.doc().params.model, model);
-        desk.until_told(before);
+        desk.until_applied(before);
     }
     for model in Model::ALL {
         desk.click(model.title());
         assert_eq!(desk.doc().params.model, model);
-        assert_eq!(desk.app().render.as_ref().unwrap().told().model, model);
+        assert_eq!(desk.app().render.as_ref().unwrap().applied().model, model);
     }
 }
 
@@ -66,7 +66,7 @@ fn the_roughness_slider_is_logarithmic_and_moves_by_keyboard() {
     let (alpha, epoch) = (desk.alpha(), desk.newest().epoch);
     desk.key(Key::ArrowRight);
     assert!(desk.alpha() > alpha);
-    desk.until_told(epoch);
+    desk.until_applied(epoch);
     desk.key(Key::ArrowLeft);
     desk.key(Key::ArrowLeft);
     assert!(desk.alpha() < alpha);
@@ -149,7 +149,7 @@ fn a_change_while_paused_is_seen() {
     assert!(desk.doc().paused);
     let epoch = desk.newest().epoch;
     desk.key(Key::Num1);
-    desk.until_told(epoch);
+    desk.until_applied(epoch);
     assert!(!desk.doc().paused);
 }
 
@@ -158,7 +158,7 @@ fn restart_is_a_new_epoch_of_the_same_picture() {
     let mut desk = Desk::done(2);
     let (epoch, picture) = (desk.newest().epoch, desk.newest().mean());
     desk.click("Restart");
-    desk.until_told(epoch);
+    desk.until_applied(epoch);
     desk.until_done(2);
     assert!(desk.newest().epoch > epoch);
     assert!(desk.newest().mean() == picture);
@@ -242,7 +242,7 @@ fn undo_takes_back_one_change_after_the_other() {
     for expected in [second, first.clone(), first] {
         desk.chord(Modifiers::CTRL | Modifiers::COMMAND, Key::Z);
         assert!(desk.doc().params == expected);
-        assert!(*desk.app().render.as_ref().unwrap().told() == expected);
+        assert!(*desk.app().render.as_ref().unwrap().applied() == expected);
     }
 }
 

@@ -27,7 +27,7 @@ impl Desk {
         }
     }
 
-    /// Renders to so many passes while somebody is at work in the window, so that it looks often.
+    /// Renders to a number of passes while the window has input, so that it looks often.
     fn watch(&mut self, passes: u64) {
         // By way of every power of two: each of them is seen, however seldom the window has its turn.
         let powers = (0..).map(|power| 1 << power).take_while(|&power| power < passes);
@@ -55,7 +55,7 @@ impl Desk {
     }
 
     fn curve(&self) -> &Curve {
-        let told = self.app().render.as_ref().unwrap().told();
+        let told = self.app().render.as_ref().unwrap().applied();
         self.doc().errors.of(told).expect("no curve")
     }
 
@@ -212,7 +212,7 @@ fn with_a_reference_the_true_error_is_told_too() {
     desk.until("the file", |app| app.doc().comparison.file.is_some());
     desk.key(Key::C);
     let has_truth = |app: &App| {
-        let told = app.render.as_ref().unwrap().told();
+        let told = app.render.as_ref().unwrap().applied();
         app.doc().errors.of(told).is_some_and(|c| c.truth.newest().is_some())
     };
     desk.until("a true error", has_truth);
@@ -233,7 +233,7 @@ fn with_a_reference_the_true_error_is_told_too() {
     desk.document(|d| d.set_limit(256));
     desk.until_done(256);
     desk.until("more of it", |app| {
-        let told = app.render.as_ref().unwrap().told();
+        let told = app.render.as_ref().unwrap().applied();
         let curve = app.doc().errors.of(told).unwrap();
         curve.truth.newest().is_some_and(|p| p.passes == 256)
     });
@@ -299,7 +299,7 @@ fn the_curves_are_copied_as_a_table_and_written_as_svg_and_png() {
     desk.click("Copy CSV");
     let table = desk.copied().expect("nothing on the clipboard");
     let expected = {
-        let told = desk.app().render.as_ref().unwrap().told();
+        let told = desk.app().render.as_ref().unwrap().applied();
         let curves = desk.doc().errors.of_view(told);
         assert_eq!(curves.len(), 2);
         curves.iter().map(|c| c.estimated.points().len()).sum::<usize>()

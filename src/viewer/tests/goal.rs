@@ -75,7 +75,7 @@ fn a_time_ends_and_a_change_and_a_longer_time_go_on() {
     desk.until("the end", stopped);
     assert!(desk.newest().passes > passes && desk.newest().epoch == epoch);
     desk.key(Key::Num1);
-    desk.until_told(epoch);
+    desk.until_applied(epoch);
     desk.until("the end", stopped);
     assert!(desk.newest().seconds >= longer - 0.01);
 }

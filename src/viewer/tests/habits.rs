@@ -130,7 +130,7 @@ fn what_is_typed_in_vain_is_told() {
     settled(&mut desk);
     desk.type_into("Column", "64");
     assert!(desk.notice().starts_with("Column: 64 is out of range, which is 0 to 63"));
-    assert_eq!(desk.doc().asked, Some([63, 24]));
+    assert_eq!(desk.doc().clicked, Some([63, 24]));
 }
 
 #[test]
@@ -470,7 +470,7 @@ fn a_part_of_the_picture_is_traced_alone() {
     // The balls are twice as large: their edges, black behind, are where they were, doubled.
     let twice = desk.newest().mean();
     let before = desk.app().render.as_ref().unwrap();
-    assert_eq!(before.told().size, [64, 48]);
+    assert_eq!(before.applied().size, [64, 48]);
     let once = {
         let params = burnish::progressive::Params { camera: whole, ..desk.doc().params.clone() };
         burnish::progressive::render(params, 2, 1).unwrap().mean()

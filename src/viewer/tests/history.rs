@@ -43,7 +43,7 @@ fn every_change_is_undone_and_redone() {
     for (i, (what, _)) in CASES.iter().enumerate().rev() {
         desk.chord(COMMAND, Key::Z);
         assert!(state(&desk) == states[i], "undo of {what}");
-        assert!(*desk.app().render.as_ref().unwrap().told() == states[i].0, "undo of {what}");
+        assert!(*desk.app().render.as_ref().unwrap().applied() == states[i].0, "undo of {what}");
     }
     for (i, (what, _)) in CASES.iter().enumerate() {
         match i % 2 {

@@ -81,7 +81,7 @@ fn known(desk: &Desk) -> HashSet<String> {
 fn every_control_is_in_the_table() {
     let mut desk = Desk::done(1);
     desk.document(|d| d.pick(Some(0)));
-    desk.document(|d| d.asked = Some([42, 24]));
+    desk.document(|d| d.clicked = Some([42, 24]));
     // From the foot up: what opens does not move the others' headers away.
     for section in [
         "Checks",

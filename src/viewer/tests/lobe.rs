@@ -11,11 +11,11 @@ impl Desk {
     fn open_lobes(&mut self) {
         self.type_into("alpha", "0.2");
         self.click_role(Role::Button, "Lobes");
-        self.until_told_of("albedo");
+        self.until_applied_of("albedo");
     }
 
     /// Frame after frame until a label with this text is there.
-    fn until_told_of(&mut self, text: &str) {
+    fn until_applied_of(&mut self, text: &str) {
         let start = Instant::now();
         while self.harness.query_all_by_label_contains(text).next().is_none() {
             assert!(start.elapsed() < PATIENCE, "never told: {text}");
@@ -35,7 +35,7 @@ fn the_curves_figures_are_the_library_s() {
     assert!(desk.harness.query_by_label("Lobe curves").is_none(), "closed, it costs nothing");
     desk.open_lobes();
     let curves = lobe_curves(Quantity::FCos, white(), 45f64.to_radians(), 361);
-    desk.until_told_of(&curves.caption());
+    desk.until_applied_of(&curves.caption());
     for (model, albedo) in Model::ALL.into_iter().zip(curves.albedo) {
         desk.harness.get_by_label(&format!("{albedo:.4}"));
         let at_mirror = value(model, Quantity::FCos, white(), curves.theta_o, curves.theta_o);
@@ -44,7 +44,7 @@ fn the_curves_figures_are_the_library_s() {
     // Of another quantity, in other axes.
     for (label, caption) in [("D", "D, alpha 0.2000"), ("G1", "G1, alpha 0.2000")] {
         desk.click_role(Role::Button, label);
-        desk.until_told_of(caption);
+        desk.until_applied_of(caption);
     }
     for label in ["Polar", "Log", "Cartesian", "Linear"] {
         desk.click(label);
@@ -57,7 +57,7 @@ fn the_curves_figures_are_the_library_s() {
 fn values_are_told_at_the_pointer_and_by_the_arrow_keys() {
     let mut desk = Desk::new();
     desk.open_lobes();
-    desk.until_told_of("at 45.0\u{b0}");
+    desk.until_applied_of("at 45.0\u{b0}");
     let plot = desk.harness.get_by_label("Lobe curves").rect();
     desk.harness.hover_at(plot.center());
     desk.harness.run_ok();
@@ -79,22 +79,22 @@ fn the_viewer_s_angle_is_the_clicked_pixel_s_and_f_the_picked_material_s() {
     let mut desk = Desk::new();
     desk.open_lobes();
     desk.click_pixel(RIGHT_BALL);
-    let hit = desk.doc().asked_hit().unwrap();
+    let hit = desk.doc().clicked_hit().unwrap();
     desk.click("Clicked");
     let degrees = hit.theta_o.to_degrees();
-    desk.until_told_of(&format!("viewer at {degrees:.1}"));
+    desk.until_applied_of(&format!("viewer at {degrees:.1}"));
     let material = desk.doc().picked_material().unwrap().clone();
     let kd: f32 = burnish::math::Rgb::from(material.kd).luminance();
-    desk.until_told_of(&format!("Kd {kd:.3}, Ks 0.300"));
+    desk.until_applied_of(&format!("Kd {kd:.3}, Ks 0.300"));
     // It keeps up with the camera.
     desk.document(|d| d.params.camera.eye.x += 0.1);
-    let moved = desk.doc().asked_hit().map(|h| h.theta_o.to_degrees());
-    desk.until_told_of(&format!("viewer at {:.1}", moved.unwrap()));
+    let moved = desk.doc().clicked_hit().map(|h| h.theta_o.to_degrees());
+    desk.until_applied_of(&format!("viewer at {:.1}", moved.unwrap()));
     // The slider leaves the pixel and keeps its material.
     desk.type_into("theta of wo", "30");
-    desk.until_told_of(&format!("Kd {kd:.3}, Ks 0.300, viewer at 30.0"));
+    desk.until_applied_of(&format!("Kd {kd:.3}, Ks 0.300, viewer at 30.0"));
     desk.click("F = 1");
-    desk.until_told_of("F = 1, viewer at 30.0");
+    desk.until_applied_of("F = 1, viewer at 30.0");
 }
 
 #[test]
@@ -102,7 +102,7 @@ fn the_curves_are_copied_as_a_table_and_written_as_svg_and_png() {
     let mut desk = Desk::new();
     desk.open_lobes();
     let curves = lobe_curves(Quantity::FCos, white(), 45f64.to_radians(), 361);
-    desk.until_told_of(&curves.caption());
+    desk.until_applied_of(&curves.caption());
     desk.click("Copy CSV");
     let copied = desk.harness.output().platform_output.commands.iter().find_map(|c| match c {
         OutputCommand::CopyText(text) => Some(text.clone()),

@@ -48,7 +48,7 @@ fn reflectances_are_typed_and_seen_at_once() {
     let ks = material(&desk, 0).ks;
     desk.type_into("Kd green", "0.75");
     assert_eq!(material(&desk, 0).kd, [0.5, 0.75, 0.1]);
-    assert_eq!(desk.app().render.as_ref().unwrap().told().materials[0].kd, [0.5, 0.75, 0.1]);
+    assert_eq!(desk.app().render.as_ref().unwrap().applied().materials[0].kd, [0.5, 0.75, 0.1]);
     desk.until_done(2);
     assert!(desk.shown() != before);
     desk.type_into("Ks blue", "2");
@@ -163,5 +163,5 @@ fn a_preset_has_measured_reflectances_and_its_roughness() {
     let made = &desk.doc().params.materials[0];
     assert_eq!((made.kd, made.ks, made.roughness), (gold.kd, gold.ks, gold.roughness));
     assert_eq!(made.name, name, "it stays the same material");
-    assert_eq!(desk.app().render.as_ref().unwrap().told().materials[0].ks, gold.ks);
+    assert_eq!(desk.app().render.as_ref().unwrap().applied().materials[0].ks, gold.ks);
 }

@@ -42,7 +42,7 @@ fn an_erratum_is_chosen_by_its_title_badged_and_undone() {
     for erratum in [Erratum::DoubleDirect, Erratum::GgxGSum] {
         choose(&mut desk, erratum.title());
         assert_eq!(desk.doc().params.erratum, Some(erratum));
-        assert_eq!(desk.app().render.as_ref().unwrap().told().erratum, Some(erratum));
+        assert_eq!(desk.app().render.as_ref().unwrap().applied().erratum, Some(erratum));
         assert!(says(&desk, &wrong(erratum)));
         assert!(desk.shown() != right);
         let header = desk.harness.get_by_role_and_label(Role::Button, "Deliberate bugs");

@@ -120,7 +120,7 @@ impl Desk {
         desk
     }
 
-    /// The same, of so many passes, which are all there.
+    /// The same with its goal of `passes` reached.
     fn done(passes: u64) -> Desk {
         let mut desk = Desk::new();
         desk.document(|d| d.set_limit(passes));
@@ -209,7 +209,7 @@ impl Desk {
     }
 
     /// Until the picture is that of the present parameters.
-    fn until_told(&mut self, epoch_before: u64) {
+    fn until_applied(&mut self, epoch_before: u64) {
         self.until("new epoch", |app| {
             app.render.as_ref().unwrap().newest.as_ref().is_some_and(|s| s.epoch > epoch_before)
         });

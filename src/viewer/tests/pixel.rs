@@ -18,7 +18,7 @@ impl Desk {
     fn until_asked(&mut self) {
         // What a key or the pointer changed is drawn with the next frame.
         self.harness.step();
-        let asked = self.doc().asked;
+        let asked = self.doc().clicked;
         self.until("a report", |app| {
             app.panels.pixel.report().is_some_and(|r| Some(r.pixel) == asked)
         });
@@ -35,9 +35,9 @@ fn a_clicked_pixel_is_taken_apart() {
     desk.click_role(Role::Button, "Pixel");
     assert!(desk.tells("Click into the picture"));
     desk.ask(MIDDLE);
-    assert_eq!(desk.doc().asked, Some([42, 24]));
+    assert_eq!(desk.doc().clicked, Some([42, 24]));
     assert_eq!(desk.doc().picked, Some(1), "the click picks the material as before");
-    let hit = desk.doc().asked_hit().unwrap();
+    let hit = desk.doc().clicked_hit().unwrap();
     for told in ["sphere 1", "First surface", "theta of wo"] {
         assert!(desk.tells(told), "{told}");
     }
@@ -72,7 +72,7 @@ fn it_is_asked_again_when_something_changes() {
     // By keyboard alone.
     desk.type_into("Column", "22");
     desk.until_asked();
-    assert_eq!(desk.doc().asked, Some([22, 24]));
+    assert_eq!(desk.doc().clicked, Some([22, 24]));
     assert!(desk.tells("sphere 0"));
     desk.type_into("Row", "0");
     desk.until_asked();
@@ -88,7 +88,7 @@ fn factors_are_told_at_the_light_that_is_chosen() {
     let mut desk = Desk::done(1);
     desk.click_role(Role::Button, "Pixel");
     desk.ask(MIDDLE);
-    let hit = desk.doc().asked_hit().unwrap();
+    let hit = desk.doc().clicked_hit().unwrap();
     let material = desk.doc().params.materials[1].clone();
     let channel = burnish::measure::lobe::Channel {
         kd: material.kd[0].into(),

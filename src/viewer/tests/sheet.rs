@@ -102,8 +102,8 @@ fn the_picture_waits_unless_it_is_changed() {
     assert!(!desk.doc().paused && desk.app().sheet.is_some());
     let epoch = desk.app().render.as_ref().unwrap().epoch;
     desk.key(Key::Num1);
-    desk.until_told(epoch);
-    assert_eq!(desk.app().render.as_ref().unwrap().told().model, Model::Phong);
+    desk.until_applied(epoch);
+    assert_eq!(desk.app().render.as_ref().unwrap().applied().model, Model::Phong);
     desk.key(Key::Escape);
     until_says(&mut desk, "stopped");
     let passes = desk.newest().passes;

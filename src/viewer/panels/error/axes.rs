@@ -7,11 +7,11 @@ pub(super) struct Axis {
     high: f64,
 }
 
-/// What an axis may begin and end with, times a power of ten.
+/// Values that an axis may begin and end with, times a power of ten.
 const ROUND: [f64; 3] = [1.0, 2.0, 5.0];
 
 impl Axis {
-    /// From the round number below the least of these to the one above the greatest, at least a
+    /// An axis from the round number below the least of these to the one above the greatest, at least a
     /// factor of 10; of what has a logarithm. `None` if nothing has.
     pub(super) fn over(values: impl Iterator<Item = f64>) -> Option<Axis> {
         let placed = values.filter(|v| *v > 0.0 && v.is_finite());
@@ -36,7 +36,7 @@ impl Axis {
         [self.low, self.high]
     }
 
-    /// Where a value lies, from 0 to 1; beyond that where it is beyond the ends.
+    /// Place of a value, from 0 to 1; beyond that where it is beyond the ends.
     pub(super) fn share(&self, value: f64) -> f64 {
         (value / self.low).ln() / (self.high / self.low).ln()
     }

@@ -11,7 +11,7 @@ use burnish::measure::error::{Pair, REL_RMSE, Reference};
 use burnish::progressive::{Params, Snapshot, State};
 use egui::{Context, Ui};
 
-/// What the picture is held against.
+/// The reference that the picture is held against.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Against {
     Nothing,
@@ -37,13 +37,13 @@ const PAUSE: f64 = 0.5;
 const MORE: f64 = 1.07;
 
 pub(super) struct Distances {
-    /// What was chosen; a file, if there is one, where nothing was.
+    /// The choice; a file, if there is one, where nothing was chosen.
     chosen: Option<Against>,
     reference: Option<Frozen>,
     /// Counts the references.
     number: u64,
     found: Background<Question, Answer>,
-    /// What was last asked, and when, in egui's seconds.
+    /// The last question, and when it was asked, in egui's seconds.
     asked: Option<(Question, f64)>,
 }
 
@@ -68,7 +68,7 @@ struct Answer {
     params: Params,
     seconds: f64,
     passes: u64,
-    /// Of the reference.
+    /// The reference's number.
     number: u64,
     /// The relative error, or why there is none.
     distance: Result<f64, String>,
@@ -178,7 +178,7 @@ impl Distances {
         }
     }
 
-    /// Where the figures come from.
+    /// Describes the origin of the numbers.
     pub(super) fn words(&self) -> String {
         let Some(Frozen { name, snapshot, noise, .. }) = &self.reference else {
             return "Estimated by the picture itself, from the spread of its 4 independent \

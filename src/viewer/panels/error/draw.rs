@@ -13,7 +13,7 @@ use egui::{
     Stroke, TextStyle, Ui, Visuals, WidgetInfo, pos2, vec2,
 };
 
-/// Of the whole plot, in points.
+/// Height of the whole plot, in points.
 const HEIGHT: f32 = 188.0;
 /// Room for the errors' words at the left, the times' below, half of the last at the right, and the
 /// axis's name above.
@@ -24,7 +24,7 @@ const ABOVE: f32 = 24.0;
 /// One press of an arrow key goes so far along the axis.
 const STEP: f64 = 0.02;
 
-/// What is drawn.
+/// Curves to draw.
 pub(super) struct Plot<'a> {
     pub(super) rows: &'a [Row<'a>],
     pub(super) shown: &'a Params,
@@ -164,7 +164,7 @@ impl Plot<'_> {
     }
 }
 
-/// Where times and errors are on the screen.
+/// Map from times and errors to the screen.
 struct Frame<'a> {
     painter: Painter,
     /// Draws between the axes alone.
@@ -232,7 +232,7 @@ impl Frame<'_> {
         self.write(top, Align2::LEFT_BOTTOM, "relative error", weak);
     }
 
-    /// Between the 95 % limits, as far as they can be relied on.
+    /// Draws the 95 % limits, as far as they can be relied on.
     fn band(&self, curve: &Curve, colour: Color32) {
         let mut mesh = Mesh::default();
         let colour = colour.gamma_multiply(0.25);

@@ -13,7 +13,7 @@ use egui::{
     TextStyle, Ui, Visuals, WidgetInfo, pos2, vec2,
 };
 
-/// Of the whole plot, in points.
+/// Height of the whole plot, in points.
 pub(super) const HEIGHT: f32 = 176.0;
 /// Room for the values' words at the left, the angles' below, half of the last at the right, and a
 /// line above.
@@ -21,7 +21,7 @@ const LEFT: f32 = 40.0;
 const RIGHT: f32 = 12.0;
 const BELOW: f32 = 20.0;
 const ABOVE: f32 = 16.0;
-/// How far one press of an arrow key goes, in degrees.
+/// Step of one press of an arrow key, in degrees.
 const STEP: f64 = 1.0;
 
 /// The line of a model's curve.
@@ -72,7 +72,7 @@ fn arrows(ui: &Ui, id: egui::Id, angle: f64) -> f64 {
     (angle + (STEP * presses).to_radians()).clamp(-limit, limit)
 }
 
-/// Where angles and values are on the screen.
+/// Map from angles and values to the screen.
 struct Frame<'a> {
     painter: Painter,
     visuals: &'a Visuals,
@@ -107,7 +107,7 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// Where a share of the scale at an angle is drawn.
+    /// Place of a share of the scale at an angle.
     fn at(&self, angle: f64, share: f64) -> Pos2 {
         match self.place {
             Place::Cartesian(rect) => {
@@ -194,7 +194,7 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// Where the viewer and the mirror direction are.
+    /// Draws the viewer's and the mirror direction.
     fn viewer(&self) {
         if !self.curves.quantity.has_viewer() {
             return;

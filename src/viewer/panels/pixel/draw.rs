@@ -6,7 +6,7 @@ use burnish::measure::lobe::{Axis, LobeCurves};
 use egui::{Align2, Pos2, Rect, Sense, Shape, Stroke, TextStyle, Ui, pos2, vec2};
 
 const HEIGHT: f32 = 144.0;
-/// So many directions are drawn at most.
+/// Largest number of directions drawn.
 const DOTS: usize = 2048;
 
 /// At the left f cos in the plane of incidence around the surface's point, at the right directions

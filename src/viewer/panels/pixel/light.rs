@@ -1,4 +1,4 @@
-//! Which light makes up a pixel: by scattering events, by technique, and sample by sample.
+//! The light that makes up a pixel: by scattering events, by technique, and sample by sample.
 
 use super::heading;
 use crate::viewer::style::labels;
@@ -146,7 +146,7 @@ fn histogram(ui: &mut Ui, report: &PixelReport) {
     }
 }
 
-/// How the picture's own samples differ from these.
+/// Describes how the picture's own samples differ from these.
 fn sharing(ui: &mut Ui, report: &PixelReport) {
     let picture = &report.picture;
     let words = match (picture.group, picture.samples.get(picture.own)) {

@@ -11,7 +11,7 @@ use glam::DVec3;
 
 /// Lines over the picture, within black ones: light enough for dark pictures in either theme.
 const LINE: Color32 = Color32::from_rgb(0xff, 0xb8, 0x60);
-/// So many vertices are listed; roulette ends most paths before.
+/// Largest number of vertices listed; roulette ends most paths before.
 const MOST: usize = 24;
 /// Widths of the columns of figures, in points.
 const FIGURE: f32 = 68.0;

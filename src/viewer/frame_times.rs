@@ -1,4 +1,4 @@
-//! What the window's thread has to do, and what it leaves to the workers: told with `-v`.
+//! How long the frames of the window take, and what they leave to the workers: printed with `-v`.
 
 use crate::viewer::app::App;
 use std::time::{Duration, Instant};
@@ -12,21 +12,21 @@ pub(super) struct Moment {
 
 impl Moment {
     pub(super) fn now() -> Moment {
-        let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
-        let nanos = told.and_then(|text| text.split_whitespace().next()?.parse().ok());
+        let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
+        let nanos = text.and_then(|text| text.split_whitespace().next()?.parse().ok());
         Moment { clock: Instant::now(), spent: nanos.map(Duration::from_nanos) }
     }
 }
 
-/// How much the window's thread has to do.
+/// Times of frames, by the clock and by the processor.
 #[derive(Default)]
-pub(super) struct Effort {
+pub(super) struct FrameTimes {
     frames: u64,
-    /// Of the app's own work in the present frame: by the clock, and what of it a processor was at
+    /// Time of the app's own work in the present frame: by the clock, and what of it a processor was at
     /// work. The rest is waiting for one that is busy with the workers.
     now: [Duration; 2],
     slowest: [Duration; 2],
-    /// By the clock, in seconds, of each frame.
+    /// Seconds of each frame, by the clock.
     all: Vec<f32>,
     /// With what egui and the graphics driver do.
     whole: f64,
@@ -36,8 +36,8 @@ pub(super) struct Effort {
     began: Option<Instant>,
 }
 
-impl Effort {
-    /// From the start until it is taken to be left alone.
+impl FrameTimes {
+    /// Time from the start until the window is taken to be left alone.
     const CALM: Duration = Duration::from_secs(4);
 
     /// Adds what was done since then to the present frame's.
@@ -62,7 +62,7 @@ impl Effort {
         self.all.push(work[0].as_secs_f32());
         if let Some(snapshot) = app.render.as_ref().and_then(|r| r.newest.as_ref()) {
             self.last = (snapshot.counts.paths, snapshot.seconds);
-            if self.calm.is_none() && began.elapsed() >= Effort::CALM {
+            if self.calm.is_none() && began.elapsed() >= FrameTimes::CALM {
                 self.calm = Some((self.last.0, self.last.1, self.frames));
             }
         }
@@ -90,7 +90,7 @@ impl Effort {
             if time > 0.0 {
                 words += &format!(
                     "; after {} s: {:.0} paths/s, {:.1} frames/s of tracing",
-                    Effort::CALM.as_secs(),
+                    FrameTimes::CALM.as_secs(),
                     self.last.0.saturating_sub(paths) as f64 / time,
                     (self.frames - frames) as f64 / time,
                 );
