@@ -2,8 +2,8 @@
 
 mod support;
 
-use burnish::brdf::{Lobes, Microfacet, Model, ModelVisitor, Roughness, Terms, Width};
-use burnish::math::lanes::{F32x8, Lane, Wide};
+use burnish::brdf::{Alpha, BrdfParams, Microfacet, Model, ModelVisitor, Roughness, Terms};
+use burnish::math::simd::{F32x8, Simd, Simd8};
 use burnish::math::{Rgb, V3};
 use std::collections::HashMap;
 use support::Random;
@@ -12,7 +12,7 @@ use support::Random;
 const ORACLE: &str = include_str!("data/brdf_oracle.csv");
 
 struct Ask {
-    lobes: Lobes,
+    params: BrdfParams,
     wo: V3,
     wi: V3,
 }
@@ -24,8 +24,8 @@ struct Answer {
 impl ModelVisitor for Ask {
     type Output = Answer;
     fn visit<M: Microfacet>(self) -> Answer {
-        let e = self.lobes.eval::<M>(self.wo, self.wi);
-        let terms = self.lobes.terms::<M>(self.wo, self.wi);
+        let e = self.params.eval::<M>(self.wo, self.wi);
+        let terms = self.params.terms::<M>(self.wo, self.wi);
         Answer { terms, f: e.f.r, pdf: e.pdf }
     }
 }
@@ -34,11 +34,11 @@ fn model(name: &str) -> Model {
     Model::ALL.into_iter().find(|m| m.name() == name).unwrap()
 }
 
-fn lobes(kd: f32, ks: f32, width: Width) -> Lobes {
-    Lobes { kd: Rgb::splat(kd), ks: Rgb::splat(ks), width }
+fn params(kd: f32, ks: f32, roughness: Alpha) -> BrdfParams {
+    BrdfParams { kd: Rgb::splat(kd), ks: Rgb::splat(ks), roughness }
 }
 
-fn width(model: Model, parameter: f64) -> Width {
+fn width(model: Model, parameter: f64) -> Alpha {
     let roughness = match model {
         Model::Phong => Roughness::from_exponent(parameter),
         _ => Roughness::from_alpha(parameter),
@@ -66,8 +66,8 @@ fn every_oracle_row_is_met() {
         let (kd, ks) = (get("Kd") as f32, get("Ks") as f32);
         // A param of 1e-4 is one f32 rounding below the range.
         let parameter = if m == Model::Phong { get("param") } else { get("param").max(1e-4) };
-        let lobes = lobes(kd, ks, width(m, parameter));
-        let a = m.visit(Ask { lobes, wo: at("wo"), wi: at("wi") });
+        let params = params(kd, ks, width(m, parameter));
+        let a = m.visit(Ask { params, wo: at("wo"), wi: at("wi") });
         let pdf_specular = if m == Model::Phong { "pdf_D" } else { "pdf_vndf" };
         let mut values =
             vec![("D", a.terms.d), ("G1i", a.terms.g1i), ("G1o", a.terms.g1o), ("G", a.terms.g)];
@@ -115,11 +115,11 @@ fn every_oracle_row_is_met() {
     );
 }
 
-fn random_lobes(r: &mut Random, m: Model) -> Lobes {
+fn random_lobes(r: &mut Random, m: Model) -> BrdfParams {
     let alpha = 10f64.powf(r.within(-4.0, 0.0)).clamp(1e-4, 1.0);
     let exponent = Roughness::from_alpha(alpha).unwrap().exponent().clamp(0.0, 2e8 - 2.0);
     let w = width(m, if m == Model::Phong { exponent } else { alpha });
-    lobes(r.unit(), r.unit(), w)
+    params(r.unit(), r.unit(), w)
 }
 
 /// Directions of which many graze.
@@ -139,8 +139,8 @@ fn reciprocal_to_two_ulp_finite_and_never_negative() {
         let m = Model::ALL[i % 3];
         let l = random_lobes(&mut r, m);
         let (wi, wo) = (upper(&mut r), upper(&mut r));
-        let a = m.visit(Ask { lobes: l, wo, wi });
-        let b = m.visit(Ask { lobes: l, wo: wi, wi: wo });
+        let a = m.visit(Ask { params: l, wo, wi });
+        let b = m.visit(Ask { params: l, wo: wi, wi: wo });
         assert!(a.f.is_finite() && a.f >= 0.0 && a.pdf.is_finite() && a.pdf >= 0.0);
         assert!(a.pdf > 0.0 || a.f == 0.0, "{m:?} {wi:?} {wo:?}: never sampled, yet f = {}", a.f);
         assert!((a.f.to_bits() as i64 - b.f.to_bits() as i64).abs() <= 2, "{} {}", a.f, b.f);
@@ -165,10 +165,10 @@ fn odd_directions_give_zero_or_a_number() {
     }
     for m in Model::ALL {
         for alpha in [1e-4, 0.03, 0.3, 1.0] {
-            let l = lobes(0.5, 0.5, Roughness::from_alpha(alpha).unwrap().into());
+            let l = params(0.5, 0.5, Roughness::from_alpha(alpha).unwrap().into());
             for &wo in &directions {
                 for &wi in &directions {
-                    let a = m.visit(Ask { lobes: l, wo, wi });
+                    let a = m.visit(Ask { params: l, wo, wi });
                     let case = format!("{m:?} {alpha} {wo:?} {wi:?}: {} {}", a.f, a.pdf);
                     let finite = |v: V3| v.x.is_finite() && v.y.is_finite() && v.z.is_finite();
                     if !(wo.z > 0.0 && wi.z > 0.0) {
@@ -188,7 +188,7 @@ fn odd_directions_give_zero_or_a_number() {
 /// Integrals over all microfacet normals, for one viewer: of `D cos`, of `D (wo.m)+`, and of the
 /// density of the normals that are sampled.
 struct Areas {
-    width: Width,
+    roughness: Alpha,
     wo: V3,
 }
 
@@ -205,17 +205,17 @@ impl ModelVisitor for Areas {
     /// Over the logarithm of the tangent, by the midpoint rule; around the normal exactly.
     fn visit<M: Microfacet>(self) -> Projected {
         let (z, across) = (self.wo.z as f64, (self.wo.x as f64).hypot(self.wo.y as f64));
-        let factor = M::pdf_factor(self.width, self.wo);
+        let factor = M::pdf_factor(self.roughness, self.wo);
         let mut sums = Projected { all: 0.0, seen: 0.0, density: 0.0, g1: 0.0 };
         let (low, high, steps) = (-12.0, 26.0, 60_000);
         let step = (high - low) / steps as f64;
         for k in 0..steps {
-            let tan = (low + (k as f64 + 0.5) * step).exp() * self.width.alpha as f64;
+            let tan = (low + (k as f64 + 0.5) * step).exp() * self.roughness.alpha as f64;
             let cos = 1.0 / (1.0 + tan * tan).sqrt();
             let sin = tan * cos;
             // d(theta) = cos sin d(ln tan).
             let ring = sin * sin * cos * step;
-            let d = M::d(self.width, V3::new(sin as f32, 0.0, cos as f32));
+            let d = M::d(self.roughness, V3::new(sin as f32, 0.0, cos as f32));
             sums.all += d as f64 * cos * std::f64::consts::TAU * ring;
             // wo.m = a + b cos(phi), which is above 0 up to an angle of `end` on both sides.
             let (a, b) = (z * cos, across * sin);
@@ -227,7 +227,7 @@ impl ModelVisitor for Areas {
             let whole = M::pdf_wi(factor, d, 1.0) as f64 - visible;
             sums.density += 4.0 * (visible * facing + whole * cos * 2.0 * end) * ring;
         }
-        sums.g1 = M::g1_over_cos(self.width, self.wo) as f64 * z;
+        sums.g1 = M::g1_over_cos(self.roughness, self.wo) as f64 * z;
         sums
     }
 }
@@ -240,10 +240,10 @@ impl ModelVisitor for Areas {
 fn projected_areas_are_those_of_the_flat_surface() {
     for m in Model::ALL {
         for alpha in [1e-4, 1e-3, 0.01, 0.1, 0.3, 0.6, 1.0] {
-            let w: Width = Roughness::from_alpha(alpha).unwrap().into();
+            let w: Alpha = Roughness::from_alpha(alpha).unwrap().into();
             for cos in [1.0, 0.9, 0.5, 0.1, 1e-2, 1e-4] {
                 let wo = V3::new((1.0f64 - cos * cos).sqrt() as f32, 0.0, cos as f32);
-                let p = m.visit(Areas { width: w, wo });
+                let p = m.visit(Areas { roughness: w, wo });
                 let case = format!("{m:?} {alpha} {cos}");
                 assert!((p.all - 1.0).abs() < 2e-5, "{case}: int D cos = {}", p.all);
                 let seen = p.seen * p.g1 / wo.z as f64 - 1.0;
@@ -274,16 +274,16 @@ fn phong_and_beckmann_mask_alike() {
     for _ in 0..10_000 {
         let (wi, wo) = (upper(&mut r), upper(&mut r));
         let alpha = 10f64.powf(r.within(-3.9, -0.01));
-        let w: Width = Roughness::from_alpha(alpha).unwrap().into();
-        let l = lobes(0.5, 0.5, w);
-        let p = Model::Phong.visit(Ask { lobes: l, wo, wi }).terms;
-        let b = Model::Beckmann.visit(Ask { lobes: l, wo, wi }).terms;
+        let w: Alpha = Roughness::from_alpha(alpha).unwrap().into();
+        let l = params(0.5, 0.5, w);
+        let p = Model::Phong.visit(Ask { params: l, wo, wi }).terms;
+        let b = Model::Beckmann.visit(Ask { params: l, wo, wi }).terms;
         assert_eq!((p.g1i, p.g1o), (b.g1i, b.g1o));
     }
 }
 
 struct Sample {
-    lobes: Lobes,
+    params: BrdfParams,
     wo: V3,
     choice: f32,
     u: [f32; 2],
@@ -291,7 +291,7 @@ struct Sample {
 impl ModelVisitor for Sample {
     type Output = (V3, f32, f32);
     fn visit<M: Microfacet>(self) -> (V3, f32, f32) {
-        let s = self.lobes.sample::<M>(self.wo, self.choice, self.u);
+        let s = self.params.sample::<M>(self.wo, self.choice, self.u);
         (s.wi, s.f.r, s.pdf)
     }
 }
@@ -315,8 +315,9 @@ fn extreme_random_numbers_give_no_nonsense() {
                         for u in edges {
                             for v in edges {
                                 let w = Roughness::from_alpha(alpha).unwrap().into();
-                                let lobes = lobes(kd, ks, w);
-                                let (wi, f, pdf) = m.visit(Sample { lobes, wo, choice, u: [u, v] });
+                                let params = params(kd, ks, w);
+                                let (wi, f, pdf) =
+                                    m.visit(Sample { params, wo, choice, u: [u, v] });
                                 let case = format!("{m:?} {alpha} {z} {kd} {ks} {choice} {u} {v}");
                                 assert!(pdf.is_finite() && pdf >= 0.0, "{case}: pdf {pdf}");
                                 assert!(f.is_finite() && f >= 0.0, "{case}: f {f}");
@@ -336,19 +337,23 @@ fn extreme_random_numbers_give_no_nonsense() {
 /// A channel with Kd = 0 takes nothing from the diffuse lobe; Kd = Ks = 0 is black and ends paths.
 #[test]
 fn empty_lobes_give_exactly_nothing() {
-    let w: Width = Roughness::from_alpha(0.3).unwrap().into();
+    let w: Alpha = Roughness::from_alpha(0.3).unwrap().into();
     let (wo, wi) = (V3::new(0.6, 0.0, 0.8), V3::new(-0.48, 0.6, 0.64));
-    let l = Lobes { kd: Rgb::new(0.5, 0.0, 0.25), ks: Rgb::BLACK, width: w };
+    let l = BrdfParams { kd: Rgb::new(0.5, 0.0, 0.25), ks: Rgb::BLACK, roughness: w };
     let f = l.eval::<burnish::brdf::Ggx>(wo, wi).f;
     assert_eq!((f.g, f.b), (0.0, f.r * 0.5));
     let black = m_visit_black(w, wo, wi);
     assert_eq!(black, (0.0, 0.0));
 }
 
-fn m_visit_black(w: Width, wo: V3, wi: V3) -> (f32, f32) {
-    let a = Model::Beckmann.visit(Ask { lobes: lobes(0.0, 0.0, w), wo, wi });
-    let s =
-        Model::Beckmann.visit(Sample { lobes: lobes(0.0, 0.0, w), wo, choice: 0.5, u: [0.3, 0.7] });
+fn m_visit_black(w: Alpha, wo: V3, wi: V3) -> (f32, f32) {
+    let a = Model::Beckmann.visit(Ask { params: params(0.0, 0.0, w), wo, wi });
+    let s = Model::Beckmann.visit(Sample {
+        params: params(0.0, 0.0, w),
+        wo,
+        choice: 0.5,
+        u: [0.3, 0.7],
+    });
     (a.f, s.1)
 }
 
@@ -356,7 +361,7 @@ fn m_visit_black(w: Width, wo: V3, wi: V3) -> (f32, f32) {
 #[test]
 fn lanes_agree_with_scalars() {
     struct Wider {
-        lobes: [Lobes; 8],
+        params: [BrdfParams; 8],
         wo: [V3; 8],
         u: [[f32; 3]; 8],
     }
@@ -366,19 +371,19 @@ fn lanes_agree_with_scalars() {
     impl ModelVisitor for &Wider {
         type Output = ([f32; 8], [f32; 8]);
         fn visit<M: Microfacet>(self) -> Self::Output {
-            let rgb = |f: &dyn Fn(&Lobes) -> Rgb| {
+            let rgb = |f: &dyn Fn(&BrdfParams) -> Rgb| {
                 Rgb::new(
-                    gather(|i| f(&self.lobes[i]).r),
-                    gather(|i| f(&self.lobes[i]).g),
-                    gather(|i| f(&self.lobes[i]).b),
+                    gather(|i| f(&self.params[i]).r),
+                    gather(|i| f(&self.params[i]).g),
+                    gather(|i| f(&self.params[i]).b),
                 )
             };
-            let lobes = Lobes {
+            let params = BrdfParams {
                 kd: rgb(&|l| l.kd),
                 ks: rgb(&|l| l.ks),
-                width: Width {
-                    alpha: gather(|i| self.lobes[i].width.alpha),
-                    exponent: gather(|i| self.lobes[i].width.exponent),
+                roughness: Alpha {
+                    alpha: gather(|i| self.params[i].roughness.alpha),
+                    exponent: gather(|i| self.params[i].roughness.exponent),
                 },
             };
             let wo = V3::new(
@@ -387,8 +392,8 @@ fn lanes_agree_with_scalars() {
                 gather(|i| self.wo[i].z),
             );
             let u = |k: usize| gather(|i| self.u[i][k]);
-            let s = lobes.sample::<M>(wo, u(0), [u(1), u(2)]);
-            assert_eq!(<F32x8 as Lane>::WIDTH, 8);
+            let s = params.sample::<M>(wo, u(0), [u(1), u(2)]);
+            assert_eq!(<F32x8 as Simd>::WIDTH, 8);
             (s.f.r.store(), s.pdf.store())
         }
     }
@@ -396,14 +401,14 @@ fn lanes_agree_with_scalars() {
     for i in 0..3000 {
         let m = Model::ALL[i % 3];
         let w = Wider {
-            lobes: std::array::from_fn(|_| random_lobes(&mut r, m)),
+            params: std::array::from_fn(|_| random_lobes(&mut r, m)),
             wo: std::array::from_fn(|_| upper(&mut r)),
             u: std::array::from_fn(|_| [r.unit(), r.unit(), r.unit()]),
         };
         let (f, pdf) = m.visit(&w);
         for k in 0..8 {
             let (choice, u) = (w.u[k][0], [w.u[k][1], w.u[k][2]]);
-            let (_, f1, p1) = m.visit(Sample { lobes: w.lobes[k], wo: w.wo[k], choice, u });
+            let (_, f1, p1) = m.visit(Sample { params: w.params[k], wo: w.wo[k], choice, u });
             assert_eq!((f[k].to_bits(), pdf[k].to_bits()), (f1.to_bits(), p1.to_bits()));
         }
     }

@@ -58,9 +58,9 @@ fn a_wanted_error_is_kept() {
 fn an_error_that_a_few_pixels_own_is_not_called_reliable() {
     let mut b = SceneBuilder::new("a small lamp");
     let floor = b.material(Material::reflecting("floor", [0.5; 3], [0.0; 3], 10.0).unwrap());
-    let lamp = b.material(Material::light("lamp", [1e4; 3]).unwrap());
+    let emitter = b.material(Material::light("lamp", [1e4; 3]).unwrap());
     b.cuboid([-2.0, -2.0, 0.0].into(), [4.0, 4.0, 0.0].into(), floor).unwrap();
-    b.sphere([0.0, 0.0, 2.0].into(), 0.02, lamp).unwrap();
+    b.sphere([0.0, 0.0, 2.0].into(), 0.02, emitter).unwrap();
     let eye = [0.0, -3.0, 1.0].into();
     b.camera = Some(Camera::look_at(eye, [0.0; 3].into(), 0.1).unwrap());
     b.screen = [32, 24];

@@ -4,12 +4,12 @@
 mod support;
 
 use burnish::brdf::Model;
-use burnish::math::lanes::Isa;
+use burnish::math::simd::Isa;
 use burnish::progressive::{Params, Strategy, render};
 use burnish::scene::{
     Camera, Coinciding, Material, MaterialId, Mesh, Report, Scene, SceneBuilder, Warning,
 };
-use burnish::trace::Group;
+use burnish::trace::ReuseGroup;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 use support::{Mean, Random, place, vector};
@@ -30,7 +30,7 @@ fn material(b: &mut SceneBuilder, name: &str, kd: f64, emission: f64) -> Materia
     b.material(material.emitting([emission; 3]).unwrap())
 }
 
-fn mean(params: &Params, strategy: Strategy, group: Group) -> Mean {
+fn mean(params: &Params, strategy: Strategy, group: ReuseGroup) -> Mean {
     let mut mean = Mean::default();
     for seed in 0..12 {
         let params = Params { strategy, group: Some(group), seed, ..params.clone() };
@@ -72,7 +72,7 @@ fn a_lamp_in_the_plane_of_the_ceiling_is_in_front_of_it() {
         let to_world = place(&mut r);
         let scale = to_world.matrix3.determinant().cbrt();
         let size = [r.within(0.7, 1.6), r.within(0.7, 1.6), r.within(0.7, 1.6)];
-        let lamp = [
+        let emitter = [
             [size[0] * r.within(0.1, 0.4), size[0] * r.within(0.6, 0.9)],
             [size[1] * r.within(0.1, 0.4), size[1] * r.within(0.6, 0.9)],
         ];
@@ -92,7 +92,7 @@ fn a_lamp_in_the_plane_of_the_ceiling_is_in_front_of_it() {
                     let axis = to_world.transform_vector3(DVec3::Z * 0.2);
                     b.cylinder(to_world.transform_point3(at), axis, radius, bright).unwrap();
                 } else if which == 1 {
-                    b.mesh(&rectangle(lamp, h - lower, turn), to_world, bright).unwrap();
+                    b.mesh(&rectangle(emitter, h - lower, turn), to_world, bright).unwrap();
                 } else {
                     b.mesh(&rectangle([[0.0, w], [0.0, d]], h, 0), to_world, wall).unwrap();
                     b.mesh(&rectangle([[0.0, w], [0.0, d]], 0.0, 1), to_world, wall).unwrap();
@@ -134,16 +134,16 @@ fn a_lamp_in_the_plane_of_the_ceiling_is_in_front_of_it() {
             Params { model, max_depth: Some(3), ..Params::new(Arc::new(scene)) }
         };
         let (flush, lower) = (params(flush), params(lower));
-        let shared = mean(&flush, Strategy::Mis, Group::Sixteen);
+        let shared = mean(&flush, Strategy::Mis, ReuseGroup::Sixteen);
         let case = |name| format!("{round}, disk {as_disk}, order {order}: {name}");
-        assert_alike(&case("lower"), shared, mean(&lower, Strategy::Mis, Group::Sixteen));
-        assert_alike(&case("alone"), shared, mean(&flush, Strategy::Mis, Group::None));
-        let bsdf = mean(&flush, Strategy::BsdfOnly, Group::None);
+        assert_alike(&case("lower"), shared, mean(&lower, Strategy::Mis, ReuseGroup::Sixteen));
+        assert_alike(&case("alone"), shared, mean(&flush, Strategy::Mis, ReuseGroup::None));
+        let bsdf = mean(&flush, Strategy::BsdfOnly, ReuseGroup::None);
         assert_alike(&case("bsdf"), shared, bsdf);
-        let light = mean(&flush, Strategy::LightOnly, Group::None);
+        let light = mean(&flush, Strategy::LightOnly, ReuseGroup::None);
         assert_alike(&case("light"), shared, light);
         let reference = Params { reference: true, ..flush.clone() };
-        assert_alike(&case("reference"), shared, mean(&reference, Strategy::Mis, Group::None));
+        assert_alike(&case("reference"), shared, mean(&reference, Strategy::Mis, ReuseGroup::None));
         apart = apart.max((light.mean / bsdf.mean - 1.0).abs());
     }
     assert!(apart < 0.02, "{apart}");
@@ -173,10 +173,10 @@ fn lamps_that_overlap_count_once() {
         assert!(scene.coinciding().iter().all(|c| c.front == first && c.behind == second));
         assert!(!scene.coinciding().is_empty());
         let params = Params { max_depth: Some(2), ..Params::new(Arc::new(scene)) };
-        let shared = mean(&params, Strategy::Mis, Group::Sixteen);
+        let shared = mean(&params, Strategy::Mis, ReuseGroup::Sixteen);
         for strategy in Strategy::ALL {
             let case = format!("{round} {}", strategy.name());
-            assert_alike(&case, shared, mean(&params, strategy, Group::None));
+            assert_alike(&case, shared, mean(&params, strategy, ReuseGroup::None));
         }
     }
 }
@@ -218,14 +218,14 @@ fn of_surfaces_that_do_not_emit_the_first_is_seen() {
 #[test]
 fn a_crowd_is_given_up_and_told() {
     let mut b = SceneBuilder::new("crowd");
-    let lamp = material(&mut b, "lamp", 0.0, 1.0);
+    let emitter = material(&mut b, "lamp", 0.0, 1.0);
     let mut r = Random::new(1);
     let mut mesh = Mesh::default();
     for i in 0..20_000u32 {
         mesh.positions.extend((0..3).map(|_| vector(&mut r, 1.0)));
         mesh.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
     }
-    b.mesh(&mesh, DAffine3::IDENTITY, lamp).unwrap();
+    b.mesh(&mesh, DAffine3::IDENTITY, emitter).unwrap();
     let scene = b.build();
     let said = told(&scene);
     assert!(said.len() == 1 && said[0].text.contains("not all were compared"), "{said:?}");

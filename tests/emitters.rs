@@ -6,10 +6,10 @@
 mod support;
 
 use burnish::brdf::{Model, Roughness};
-use burnish::math::lanes::Isa;
+use burnish::math::simd::Isa;
 use burnish::progressive::{Params, Strategy, render};
 use burnish::scene::{Camera, Material, MaterialId, Mesh, Scene, SceneBuilder};
-use burnish::trace::Group;
+use burnish::trace::ReuseGroup;
 use glam::{DAffine3, DMat3, DVec3};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -154,10 +154,10 @@ fn pictures(mut scene: Scene, model: Model, round: u64, each: &mut dyn FnMut(&st
     scene.set_isa(sets[round as usize % sets.len()]);
     let params = Params { model, seed: 77 + round, ..Params::new(Arc::new(scene)) };
     for (name, strategy, group) in [
-        ("shared", Strategy::Mis, Some(Group::ThirtyTwo)),
-        ("alone", Strategy::Mis, Some(Group::None)),
-        ("lights", Strategy::LightOnly, Some(Group::None)),
-        ("bsdf", Strategy::BsdfOnly, Some(Group::None)),
+        ("shared", Strategy::Mis, Some(ReuseGroup::ThirtyTwo)),
+        ("alone", Strategy::Mis, Some(ReuseGroup::None)),
+        ("lights", Strategy::LightOnly, Some(ReuseGroup::None)),
+        ("bsdf", Strategy::BsdfOnly, Some(ReuseGroup::None)),
     ] {
         let s = render(Params { strategy, group, ..params.clone() }, 4, 1).unwrap();
         assert_eq!((s.counts.nonfinite, s.counts.capped), (0, 0));
@@ -208,8 +208,8 @@ fn lights_in_the_plane_of_a_surface_do_not_light_it() {
         let mut b = SceneBuilder::new("one plane");
         let patch = finish(&mut r, 0.0);
         let patch = b.material(patch);
-        let lamp = finish(&mut r, RADIANCE);
-        let lamp = b.material(lamp);
+        let emitter = finish(&mut r, RADIANCE);
+        let emitter = b.material(emitter);
         let to_world = place(&mut r);
         let scale = to_world.matrix3.determinant().cbrt();
         // A rectangle around the middle, and lamps that share its plane beside and around it.
@@ -227,7 +227,7 @@ fn lights_in_the_plane_of_a_surface_do_not_light_it() {
         b.mesh(&square([-x, -y], [x, y]), to_world, patch).unwrap();
         let gap = if round % 3 == 0 { 0.0 } else { r.within(0.0, 0.5) };
         let reach = r.within(0.2, 4.0);
-        for lamps in [
+        for emitters in [
             square([x + gap, -reach], [x + gap + reach, reach]),
             square([-x - gap - reach, -reach], [-x - gap, reach]),
             mesh(
@@ -239,14 +239,14 @@ fn lights_in_the_plane_of_a_surface_do_not_light_it() {
                 vec![[0, 1, 2]],
             ),
         ] {
-            b.mesh(&lamps, to_world, lamp).unwrap();
+            b.mesh(&emitters, to_world, emitter).unwrap();
         }
         // A disk: the cap of a cylinder in the ground; and a ball that touches the plane.
         let at = DVec3::new(0.0, -y - gap - 0.4, 0.0);
         let base = to_world.transform_point3(at - DVec3::Z * 0.7);
-        b.cylinder(base, to_world.transform_vector3(DVec3::Z * 0.7), 0.3 * scale, lamp).unwrap();
+        b.cylinder(base, to_world.transform_vector3(DVec3::Z * 0.7), 0.3 * scale, emitter).unwrap();
         let ball = to_world.transform_point3(DVec3::new(-0.9 * x, -y - gap - 0.4, -0.25));
-        b.sphere(ball, 0.25 * scale, lamp).unwrap();
+        b.sphere(ball, 0.25 * scale, emitter).unwrap();
         let p = DVec3::new(r.within(-x, x), r.within(-y, y), 0.0);
         let n = to_world.transform_vector3(DVec3::Z).normalize();
         look(&mut b, [to_world.transform_point3(p), n], scale, false, &mut r);
@@ -289,7 +289,7 @@ fn plates_that_face_each_other_at_no_round_distance() {
             b.camera = Some(Camera::look_at(eye, target, 1e-5).unwrap());
             b.screen = [128, 8];
             let params = Params::new(Arc::new(b.build()));
-            for group in [Group::ThirtyTwo, Group::None] {
+            for group in [ReuseGroup::ThirtyTwo, ReuseGroup::None] {
                 let mut mean = support::Mean::default();
                 for seed in 0..16 {
                     let params = Params { group: Some(group), seed, ..params.clone() };

@@ -4,11 +4,11 @@ mod support;
 
 use burnish::brdf::Model;
 use burnish::math::Rgb;
-use burnish::math::lanes::Isa;
+use burnish::math::simd::Isa;
 use burnish::progressive::Params;
 use burnish::scene::builtin::Example;
 use burnish::scene::{Camera, Material, Mesh, Scene, SceneBuilder};
-use burnish::trace::{Hand, Round};
+use burnish::trace::{BatchOptions, PixelBatch};
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 use support::{Mean, Random, ball};
@@ -45,15 +45,15 @@ fn everything() -> Scene {
         }
     }
     b.mesh(&smooth, DAffine3::IDENTITY, materials[7]).unwrap();
-    let lamp = b.material(Material::light("lamp", [5.0, 4.0, 3.0]).unwrap());
+    let emitter = b.material(Material::light("lamp", [5.0, 4.0, 3.0]).unwrap());
     let shiny = Material {
         emission: [2.0, 3.0, 4.0],
         ..Material::reflecting("shiny", [0.2; 3], [0.3; 3], 50.0).unwrap()
     };
     let shiny = b.material(shiny);
-    b.sphere(DVec3::new(-1.0, 0.0, -0.2), 0.2, lamp).unwrap();
+    b.sphere(DVec3::new(-1.0, 0.0, -0.2), 0.2, emitter).unwrap();
     b.cylinder(DVec3::new(1.0, 1.0, -0.3), DVec3::new(0.2, 0.0, 0.3), 0.1, shiny).unwrap();
-    b.cuboid(DVec3::new(0.2, 0.3, 0.2), DVec3::new(0.4, 0.4, 0.0), lamp).unwrap();
+    b.cuboid(DVec3::new(0.2, 0.3, 0.2), DVec3::new(0.4, 0.4, 0.0), emitter).unwrap();
     // Open above, so that the environment looks in.
     b.environment = [0.2, 0.25, 0.3];
     b.camera = Some(
@@ -170,8 +170,8 @@ fn the_wide_sets_give_the_same_bits() {
 /// A lamp in front of nothing, from near enough that most pixels have none of its edges.
 fn lamp_alone() -> Scene {
     let mut b = SceneBuilder::new("lamp alone");
-    let lamp = b.material(Material::light("lamp", [3.0, 2.0, 1.0]).unwrap());
-    b.sphere(DVec3::ZERO, 1.0, lamp).unwrap();
+    let emitter = b.material(Material::light("lamp", [3.0, 2.0, 1.0]).unwrap());
+    b.sphere(DVec3::ZERO, 1.0, emitter).unwrap();
     b.camera = Some(Camera::look_at(DVec3::new(0.0, -4.0, 0.0), DVec3::ZERO, 0.4).unwrap());
     b.build()
 }
@@ -189,11 +189,11 @@ fn looking_further_for_lamps_changes_the_noise_and_nothing_else() {
         let model = Model::ALL[i % 3];
         let params = Params { model, size, ..Params::new(Arc::new(scene)) };
         let name = params.scene.name().to_owned();
-        let hand = Hand { pixels: all_pixels(size), ..Hand::default() };
+        let batch = PixelBatch { pixels: all_pixels(size), ..PixelBatch::default() };
         let mut found = Vec::new();
-        for looks in [false, true] {
+        for split in [false, true] {
             let mut quarters: Vec<Mean> = (0..4).map(|_| Mean::default()).collect();
-            let mut pixels: Vec<Mean> = hand.pixels.iter().map(|_| Mean::default()).collect();
+            let mut pixels: Vec<Mean> = batch.pixels.iter().map(|_| Mean::default()).collect();
             for seed in 0..seeds {
                 let params = Params { seed, ..params.clone() };
                 let tracer = params.tracer();
@@ -201,12 +201,12 @@ fn looking_further_for_lamps_changes_the_noise_and_nothing_else() {
                 let mut sums = [0.0; 4];
                 let mut samples = vec![0.0; pixels.len()];
                 for number in 0..4 {
-                    let round = Round { looks, ..Round::of(number) };
+                    let round = BatchOptions { split, ..BatchOptions::of(number) };
                     let mut traced = Vec::new();
                     let put = &mut |_, c| traced.push(c);
-                    tracer.sample_hand(&hand, round, &mut scratch, put);
-                    if !looks && seed == 0 {
-                        assert!(traced == pass(&params, &hand.pixels, number, false).0, "{name}");
+                    tracer.sample_batch(&batch, round, &mut scratch, put);
+                    if !split && seed == 0 {
+                        assert!(traced == pass(&params, &batch.pixels, number, false).0, "{name}");
                     }
                     for (at, c) in traced.into_iter().enumerate() {
                         assert!(c.is_finite());

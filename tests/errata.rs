@@ -4,7 +4,7 @@
 mod support;
 
 use burnish::brdf::{
-    Erratum, Formulas, Lobes, Microfacet, Model, ModelVisitor, Normals, Roughness, Width,
+    Alpha, BrdfParams, Erratum, Formulas, Microfacet, Model, ModelVisitor, Normals, Roughness,
 };
 use burnish::math::{Rgb, V3};
 use burnish::measure::errata::{Bench, Effect};
@@ -45,9 +45,9 @@ fn plate(material: Material, tilt: f64, eye: DVec3) -> SceneBuilder {
 }
 
 /// A ball of this colour in this direction, 10 units away.
-fn lamp(b: &mut SceneBuilder, towards: DVec3, radius: f64, radiance: [f64; 3]) {
-    let lamp = b.material(Material::light("lamp", radiance).unwrap());
-    b.sphere(towards * 10.0, radius, lamp).unwrap();
+fn emitter(b: &mut SceneBuilder, towards: DVec3, radius: f64, radiance: [f64; 3]) {
+    let emitter = b.material(Material::light("lamp", radiance).unwrap());
+    b.sphere(towards * 10.0, radius, emitter).unwrap();
 }
 
 fn direct(b: SceneBuilder) -> Params {
@@ -84,8 +84,8 @@ fn everything() -> Arc<Scene> {
     let metal = b.material(material(0.0, 0.8, 0.1));
     b.sphere(DVec3::new(0.0, 0.0, 0.4), 0.5, metal).unwrap();
     b.cylinder(DVec3::new(-1.0, 0.5, -0.5), DVec3::new(0.3, 0.2, 1.5), 0.3, metal).unwrap();
-    lamp(&mut b, at(-40.0), 1.0, [4.0, 3.0, 2.0]);
-    lamp(&mut b, at(-100.0), 1.0, [2.0, 3.0, 4.0]);
+    emitter(&mut b, at(-40.0), 1.0, [4.0, 3.0, 2.0]);
+    emitter(&mut b, at(-100.0), 1.0, [2.0, 3.0, 4.0]);
     b.environment = [0.2, 0.3, 0.4];
     b.camera = Some(Camera::look_at(at(70.0) * 6.0, DVec3::ZERO, 0.4).unwrap());
     b.screen = [40, 30];
@@ -141,7 +141,7 @@ fn ggx_g_sum_darkens_a_smooth_metal_by_its_formula() {
 }
 
 /// The integral of D cos, by the midpoint rule in the tangent.
-struct Normalisation(Width);
+struct Normalisation(Alpha);
 impl ModelVisitor for Normalisation {
     type Output = f64;
     fn visit<M: Microfacet>(self) -> f64 {
@@ -158,33 +158,33 @@ impl ModelVisitor for Normalisation {
 #[test]
 fn ggx_d_alpha_is_not_normalised_and_dims_the_middle_of_highlights() {
     for alpha in [0.1, 0.5] {
-        let width: Width = Roughness::from_alpha(alpha).unwrap().into();
-        let integral = |e| Model::Ggx.visit_with(Normals::Visible, e, Normalisation(width));
+        let roughness: Alpha = Roughness::from_alpha(alpha).unwrap().into();
+        let integral = |e| Model::Ggx.visit_with(Normals::Visible, e, Normalisation(roughness));
         close("right", integral(None), 1.0, 1e-3);
         close("wrong", integral(Some(Erratum::GgxDAlpha)), 0.25, 1e-3);
     }
     // a_g² / a_b⁴ in place of 1 / a_g².
     let mut b = plate(material(0.0, 0.5, 0.3), 0.0, at(30.0));
-    lamp(&mut b, at(-30.0), 0.05, [1.0; 3]);
+    emitter(&mut b, at(-30.0), 0.05, [1.0; 3]);
     let params = Params { strategy: Strategy::LightOnly, ..direct(b) };
     close("highlight", factor(&params, Erratum::GgxDAlpha, 64), 1.0 / 16.0, 0.01);
     close("right", without(&params, 64), 1.0, 0.01);
 }
 
 /// What samples find in a narrow cone, over what is there: the sampled density over the claimed.
-fn found_in_cone(formulas: &Formulas, lobes: &Lobes, wo: V3, towards: V3) -> Mean {
+fn found_in_cone(formulas: &Formulas, params: &BrdfParams, wo: V3, towards: V3) -> Mean {
     let mut r = Random::new(7);
-    let view = (formulas.seen_from)(lobes, wo);
+    let brdf = (formulas.at_wo)(params, wo);
     let narrow = 0.995; // 5.7 degrees
     let mut there = Mean::default();
     let frame = burnish::math::Frame::around(towards);
     for _ in 0..20_000 {
         let wi = frame.to_world(burnish::math::warp::cone(r.pair(), 1.0 - narrow));
-        there.add(((formulas.eval)(&view, wi).f.r * wi.z) as f64 * TAU * (1.0 - narrow as f64));
+        there.add(((formulas.eval)(&brdf, wi).f.r * wi.z) as f64 * TAU * (1.0 - narrow as f64));
     }
     let mut found = Mean::default();
     for _ in 0..800_000 {
-        let s = (formulas.sample)(&view, r.unit(), r.pair());
+        let s = (formulas.sample)(&brdf, r.unit(), r.pair());
         let inside = s.pdf > 0.0 && s.wi.dot(towards) > narrow;
         let weight = if inside { (s.f.r * s.wi.z / s.pdf) as f64 } else { 0.0 };
         found.add(weight / there.mean);
@@ -196,18 +196,18 @@ fn direction(degrees: f64) -> V3 {
     V3::from(at(degrees).as_vec3().to_array())
 }
 
-fn specular(alpha: f64) -> Lobes {
-    let width = Roughness::from_alpha(alpha).unwrap().into();
-    Lobes { kd: Rgb::BLACK, ks: Rgb::splat(0.8), width }
+fn specular(alpha: f64) -> BrdfParams {
+    let roughness = Roughness::from_alpha(alpha).unwrap().into();
+    BrdfParams { kd: Rgb::BLACK, ks: Rgb::splat(0.8), roughness }
 }
 
 /// Sampled width 0.66 alpha: ln 10 = 2.3 times too often at the peak.
 #[test]
 fn beckmann_log10_is_too_often_at_the_peak() {
-    let lobes = specular(0.4);
+    let params = specular(0.4);
     let of = |erratum, normals| {
         let formulas = Formulas::of(Model::Beckmann, normals, erratum);
-        found_in_cone(&formulas, &lobes, direction(30.0), direction(-30.0)).mean
+        found_in_cone(&formulas, &params, direction(30.0), direction(-30.0)).mean
     };
     // Within 5.7 degrees of the mirror direction the half vector stays within 2.9 degrees:
     // the ratio falls off by exp(-tan²/alpha² (ln 10 - 1)), at most 2 %.
@@ -219,13 +219,13 @@ fn beckmann_log10_is_too_often_at_the_peak() {
 /// q/p = (a_p + 1) / ((a_p + 2) cos) at a microfacet normal of this cosine.
 #[test]
 fn phong_exponent_is_wrong_by_the_cosine() {
-    let lobes = specular(0.5f64.sqrt()); // a_p = 2
+    let params = specular(0.5f64.sqrt()); // a_p = 2
     let formulas = |e| Formulas::of(Model::Phong, Normals::Visible, e);
     for (viewer, light) in [(20.0, -20.0), (70.0, 50.0)] {
         let (wo, wi) = (direction(viewer), direction(light));
         let expected = 0.75 / ((viewer + light) / 2.0f64).to_radians().cos();
-        let wrong = found_in_cone(&formulas(Some(Erratum::PhongExponent)), &lobes, wo, wi);
-        let right = found_in_cone(&formulas(None), &lobes, wo, wi);
+        let wrong = found_in_cone(&formulas(Some(Erratum::PhongExponent)), &params, wo, wi);
+        let right = found_in_cone(&formulas(None), &params, wo, wi);
         for (m, is, is_not) in [(wrong, expected, 1.0), (right, 1.0, expected)] {
             let case = format!("{} +- {}, not {is}", m.mean, m.standard_error());
             assert!(m.sigmas(is) < 4.5 && m.sigmas(is_not) > 4.5, "{case}");
@@ -238,7 +238,7 @@ fn phong_exponent_is_wrong_by_the_cosine() {
 fn below_horizon_lets_light_through_a_thin_plate() {
     let lit = |towards: f64| {
         let mut b = plate(material(0.8, 0.0, 0.5), 0.0, at(20.0));
-        lamp(&mut b, at(towards), 1.0, [3.0; 3]);
+        emitter(&mut b, at(towards), 1.0, [3.0; 3]);
         direct(b)
     };
     let (above, below) = (lit(-30.0), lit(-150.0));
@@ -252,27 +252,32 @@ fn below_horizon_lets_light_through_a_thin_plate() {
 /// Walter's rational form at a < 0: -1.57 at -0.3, -2.41 at -0.5, -1.04 at -1.
 #[test]
 fn below_horizon_makes_g_negative_for_the_rational_models_alone() {
-    struct G1(Width, V3);
+    struct G1(Alpha, V3);
     impl ModelVisitor for G1 {
         type Output = f64;
         fn visit<M: Microfacet>(self) -> f64 {
             (M::g1_over_cos(self.0, self.1) * self.1.z.abs()) as f64
         }
     }
-    let width: Width = Roughness::from_alpha(0.5).unwrap().into();
+    let roughness: Alpha = Roughness::from_alpha(0.5).unwrap().into();
     for (a, expected) in [(-0.3, -1.574), (-0.5, -2.413), (-1.0, -1.041)] {
         // a = cot / alpha
         let w = direction(90.0 + (-a * 0.5f64).atan().to_degrees());
         for model in [Model::Phong, Model::Beckmann] {
             let wrong = Some(Erratum::BelowHorizon);
-            close("G1", model.visit_with(Normals::Visible, wrong, G1(width, w)), expected, 2e-3);
+            close(
+                "G1",
+                model.visit_with(Normals::Visible, wrong, G1(roughness, w)),
+                expected,
+                2e-3,
+            );
         }
     }
     let (wo, wi) = (direction(60.0), direction(-100.0));
     for model in Model::ALL {
         let f = |erratum| {
             let formulas = Formulas::of(model, Normals::Visible, erratum);
-            (formulas.eval)(&(formulas.seen_from)(&specular(0.5), wo), wi).f.r
+            (formulas.eval)(&(formulas.at_wo)(&specular(0.5), wo), wi).f.r
         };
         assert_eq!(f(None), 0.0);
         let wrong = f(Some(Erratum::BelowHorizon));
@@ -285,7 +290,7 @@ fn below_horizon_makes_g_negative_for_the_rational_models_alone() {
 fn lobe_frame_pole_loses_the_reflection_of_a_plate_tilted_a_little() {
     for (tilt, stays) in [(2.0, false), (5.0, true)] {
         let mut b = plate(material(0.0, 1.0, 0.002), tilt, at(30.0 + tilt));
-        lamp(&mut b, at(-30.0 + tilt), 0.3, [1.0; 3]);
+        emitter(&mut b, at(-30.0 + tilt), 0.3, [1.0; 3]);
         let params = Params { strategy: Strategy::BsdfOnly, ..direct(b) };
         close("right", mean(&params, 64)[0], 1.0, 0.05);
         let factor = factor(&params, Erratum::LobeFramePole, 64);
@@ -296,15 +301,15 @@ fn lobe_frame_pole_loses_the_reflection_of_a_plate_tilted_a_little() {
 /// Lacquer at grazing: the same albedo, with several times the variance.
 #[test]
 fn constant_lobe_choice_costs_noise_alone() {
-    let lobes = Lobes { kd: Rgb::splat(0.9), ks: Rgb::splat(0.03), ..specular(0.3) };
+    let params = BrdfParams { kd: Rgb::splat(0.9), ks: Rgb::splat(0.03), ..specular(0.3) };
     let wo = direction(84.0);
     for model in Model::ALL {
         let albedo = |erratum| {
             let formulas = Formulas::of(model, Normals::Visible, erratum);
-            let view = (formulas.seen_from)(&lobes, wo);
+            let brdf = (formulas.at_wo)(&params, wo);
             let (mut r, mut mean) = (Random::new(8), Mean::default());
             for _ in 0..200_000 {
-                let s = (formulas.sample)(&view, r.unit(), r.pair());
+                let s = (formulas.sample)(&brdf, r.unit(), r.pair());
                 mean.add(if s.pdf > 0.0 { (s.f.r * s.wi.z / s.pdf) as f64 } else { 0.0 });
             }
             mean
@@ -320,7 +325,7 @@ fn constant_lobe_choice_costs_noise_alone() {
 #[test]
 fn double_direct_is_1_8_times_direct_light() {
     let mut b = plate(material(0.8, 0.0, 0.5), 0.0, at(20.0));
-    lamp(&mut b, at(-30.0), 3.0, [3.0; 3]);
+    emitter(&mut b, at(-30.0), 3.0, [3.0; 3]);
     let params = direct(b);
     close("wrong", factor(&params, Erratum::DoubleDirect, 256), 1.8, 0.01);
     close("right", without(&params, 256), 1.0, 0.01);
@@ -331,11 +336,12 @@ fn double_direct_is_1_8_times_direct_light() {
 fn shadow_tolerance_depends_on_the_unit_of_length() {
     let scene = |unit: f64| {
         let mut b = SceneBuilder::new("unit");
-        let (wall, lamp) = (material(0.8, 0.0, 0.5), Material::light("lamp", [3.0; 3]).unwrap());
-        let (wall, lamp) = (b.material(wall), b.material(lamp));
+        let (wall, emitter) = (material(0.8, 0.0, 0.5), Material::light("lamp", [3.0; 3]).unwrap());
+        let (wall, emitter) = (b.material(wall), b.material(emitter));
         b.cuboid(DVec3::new(-2.0, -2.0, -0.1) * unit, DVec3::new(4.0, 4.0, 0.1) * unit, wall)
             .unwrap();
-        b.cuboid(DVec3::new(0.4, 0.2, 1.7) * unit, DVec3::new(0.5, 0.5, 0.1) * unit, lamp).unwrap();
+        b.cuboid(DVec3::new(0.4, 0.2, 1.7) * unit, DVec3::new(0.5, 0.5, 0.1) * unit, emitter)
+            .unwrap();
         let (eye, target) = (DVec3::new(0.3, -1.0, 1.0), DVec3::new(0.1, 0.3, 0.0));
         b.camera = Some(Camera::look_at(eye * unit, target * unit, 0.2).unwrap());
         b.screen = [16, 12];
@@ -352,7 +358,7 @@ fn shadow_tolerance_depends_on_the_unit_of_length() {
 #[test]
 fn clamp_samples_never_exceeds_one() {
     let mut b = plate(material(0.8, 0.0, 0.5), 0.0, at(20.0));
-    lamp(&mut b, at(-30.0), 3.0, [20.0, 2.0, 0.5]);
+    emitter(&mut b, at(-30.0), 3.0, [20.0, 2.0, 0.5]);
     b.camera = Some(Camera::look_at(at(60.0) * 20.0, at(-20.0) * 3.0, 0.4).unwrap());
     let right = Params::new(Arc::new(b.build()));
     let wrong = Params { erratum: Some(Erratum::ClampSamples), ..right.clone() };
@@ -370,20 +376,20 @@ fn clamp_samples_never_exceeds_one() {
 /// A red, a green and a blue lamp in a row, asked for: 3/2, nothing, 3/2. Two lamps are right.
 #[test]
 fn first_and_last_light_forgets_the_middle_one() {
-    let lit = |lamps: &[(f64, [f64; 3])]| {
+    let lit = |emitters: &[(f64, [f64; 3])]| {
         let mut b = plate(material(0.8, 0.0, 0.5), 0.0, at(20.0));
-        for &(degrees, radiance) in lamps {
-            lamp(&mut b, at(degrees), 1.0, radiance);
+        for &(degrees, radiance) in emitters {
+            emitter(&mut b, at(degrees), 1.0, radiance);
         }
         Params { strategy: Strategy::LightOnly, ..direct(b) }
     };
     let (red, green, blue) = ([2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]);
-    for (lamps, factors) in [
+    for (emitters, factors) in [
         (vec![(-50.0, red), (-30.0, green), (-10.0, blue)], [1.5, 0.0, 1.5]),
         (vec![(-50.0, red), (-30.0, green)], [1.0, 1.0, f64::NAN]),
         (vec![(-50.0, green)], [f64::NAN, 1.0, f64::NAN]),
     ] {
-        let right = lit(&lamps);
+        let right = lit(&emitters);
         let wrong = Params { erratum: Some(Erratum::FirstAndLastLight), ..right.clone() };
         let (right, wrong) = (mean(&right, 256), mean(&wrong, 256));
         for c in 0..3 {
@@ -391,7 +397,7 @@ fn first_and_last_light_forgets_the_middle_one() {
                 assert_eq!((right[c], wrong[c]), (0.0, 0.0));
             } else {
                 let found = wrong[c] / right[c];
-                assert!((found - factors[c]).abs() < 0.01, "{lamps:?}: {found}");
+                assert!((found - factors[c]).abs() < 0.01, "{emitters:?}: {found}");
             }
         }
     }

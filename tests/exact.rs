@@ -2,7 +2,7 @@
 //! places.
 
 use burnish::brdf::Model;
-use burnish::measure::exact::{Budget, Verdict, all, drawn};
+use burnish::measure::exact::{CaseBudget, CaseVerdict, all, drawn};
 use burnish::progressive::{Params, Snapshot, render};
 use burnish::scene::{Camera, Material, Mesh, Scene, SceneBuilder};
 use glam::{DAffine3, DVec3};
@@ -98,8 +98,8 @@ fn scenes_with_known_answers_come_out_as_known() {
     assert_eq!(table.cases.len(), 179);
     let mut wrong = Vec::new();
     let summary = table
-        .run(Budget::QUICK, &mut |o| {
-            if o.verdict != Verdict::Agrees {
+        .run(CaseBudget::QUICK, &mut |o| {
+            if o.verdict != CaseVerdict::Agrees {
                 wrong.push(format!(
                     "{} {}: {} +- {}, not {} ({:?}, {:?})",
                     o.case.id,
@@ -127,11 +127,11 @@ fn a_wrong_answer_is_told_apart() {
     let table = all().unwrap();
     for id in ["furnace1", "plane_rect0", "dome3_0.5", "mirror2", "plates1", "cavity0"] {
         let mut case = table.cases.iter().find(|c| c.id == id).unwrap().clone();
-        assert_eq!(case.run(Budget::QUICK).unwrap().verdict, Verdict::Agrees);
+        assert_eq!(case.run(CaseBudget::QUICK).unwrap().verdict, CaseVerdict::Agrees);
         for factor in [0.97, 1.03] {
             let truth = case.expected;
             case.expected *= factor;
-            assert_eq!(case.run(Budget::QUICK).unwrap().verdict, Verdict::Differs, "{id}");
+            assert_eq!(case.run(CaseBudget::QUICK).unwrap().verdict, CaseVerdict::Differs, "{id}");
             case.expected = truth;
         }
     }
@@ -158,8 +158,8 @@ fn scenes_drawn_at_random_come_out_as_known() {
     let mut wrong = Vec::new();
     let table = drawn(0..56).unwrap();
     let summary = table
-        .run(Budget::QUICK, &mut |o| {
-            if o.verdict != Verdict::Agrees {
+        .run(CaseBudget::QUICK, &mut |o| {
+            if o.verdict != CaseVerdict::Agrees {
                 wrong.push(format!(
                     "{} {}: {} +- {}, not {} ({:?}), {}",
                     o.case.id,
@@ -188,7 +188,7 @@ fn still_life(scale: f64, shift: DVec3) -> Arc<Scene> {
     };
     let (floor, ball, post) =
         (finish(0.4, 0.1, 50.0), finish(0.0, 0.7, 400.0), finish(0.3, 0.4, 10.0));
-    let lamp = b.material(Material::light("lamp", [4.0; 3]).unwrap());
+    let emitter = b.material(Material::light("lamp", [4.0; 3]).unwrap());
     b.cuboid(at(-2.0, -2.0, 0.0), along(4.0, 4.0, 0.0), floor).unwrap();
     b.sphere(at(-0.4, 0.1, 0.5), 0.5 * scale, ball).unwrap();
     b.cylinder(at(0.7, 0.4, 0.0), along(0.1, 0.2, 0.9), 0.25 * scale, post).unwrap();
@@ -198,7 +198,7 @@ fn still_life(scale: f64, shift: DVec3) -> Arc<Scene> {
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         ..Mesh::default()
     };
-    b.mesh(&mesh, DAffine3::IDENTITY, lamp).unwrap();
+    b.mesh(&mesh, DAffine3::IDENTITY, emitter).unwrap();
     b.environment = [0.1; 3];
     b.camera = Some(Camera::look_at(at(0.4, -3.0, 1.4), at(0.1, 0.0, 0.4), 0.35).unwrap());
     b.screen = [64, 48];

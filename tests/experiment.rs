@@ -6,7 +6,7 @@ use burnish::progressive::{
 };
 use burnish::scene::builtin::Example;
 use burnish::scene::{Camera, Scene};
-use burnish::trace::Group;
+use burnish::trace::ReuseGroup;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, mpsc};
@@ -130,7 +130,7 @@ fn parts_in_any_order_are_the_whole() {
 #[test]
 fn what_does_not_fit_is_refused_and_says_why() {
     let scene = cornell();
-    let group = Some(Group::Sixteen);
+    let group = Some(ReuseGroup::Sixteen);
     let uniform = Params { uniform: true, size: [20, 10], group, ..params(&scene) };
     let first = traced(&uniform, 8, 1);
     let at =
@@ -147,7 +147,7 @@ fn what_does_not_fit_is_refused_and_says_why() {
         ("depth limit 3 and not none", &|p| p.max_depth = Some(3)),
         ("materials", &|p| Arc::make_mut(&mut p.materials)[0].kd = [0.5; 3]),
         ("tracer reference and not engine", &|p| p.reference = true),
-        ("groups of 32 and not 16", &|p| p.group = Some(Group::ThirtyTwo)),
+        ("groups of 32 and not 16", &|p| p.group = Some(ReuseGroup::ThirtyTwo)),
     ];
     for (words, change) in changes {
         let mut other = Params { first_pass: 8, ..uniform.clone() };

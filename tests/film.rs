@@ -4,8 +4,8 @@ mod support;
 
 use burnish::film::Film;
 use burnish::math::Rgb;
-use burnish::math::lanes::U32;
-use burnish::math::sequence::{REPLICATES, Slot, Stream};
+use burnish::math::simd::U32;
+use burnish::math::sobol::{REPLICATES, Slot, Stream};
 use burnish::progressive::{Counts, Session};
 use support::Random;
 

@@ -4,7 +4,7 @@ mod support;
 
 use burnish::geometry::{Hit, Query, Ray, offset_origin};
 use burnish::math::V3;
-use burnish::math::lanes::Isa;
+use burnish::math::simd::Isa;
 use burnish::scene::{Material, MaterialId, Mesh, Scene, SceneBuilder};
 use glam::{DAffine3, DVec3};
 use support::Random;

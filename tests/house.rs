@@ -26,11 +26,11 @@ const ONE_PLACE: [(&str, &[&str]); 31] = [
     (
         "obvhs",
         &[
-            "src/geometry/bvh.rs",
-            "src/geometry/pairing.rs",
-            "src/geometry/parts.rs",
-            "src/geometry/treelets.rs",
-            "src/geometry/widen.rs",
+            "src/geometry/accel/build.rs",
+            "src/geometry/accel/clustering.rs",
+            "src/geometry/accel/collapse.rs",
+            "src/geometry/accel/top_boxes.rs",
+            "src/geometry/accel/treelet.rs",
         ],
     ),
     ("tobj", &["src/scene/read/"]),
@@ -43,7 +43,7 @@ const ONE_PLACE: [(&str, &[&str]); 31] = [
     ("ab_glyph_rasterizer", &["src/picture/letters.rs"]),
     ("epaint_default_fonts", &["src/picture/letters.rs"]),
     ("sha2::", &["src/scene/read/files.rs"]),
-    ("memmap2", &["src/geometry/pages.rs"]),
+    ("memmap2", &["src/geometry/huge_pages.rs"]),
     ("bytemuck", &["src/geometry/"]),
     ("rayon", &["src/progressive/work.rs", "src/geometry/", "src/scene/"]),
     ("crossbeam_channel", &["src/progressive/"]),
@@ -57,11 +57,11 @@ const ONE_PLACE: [(&str, &[&str]); 31] = [
     ("statrs", &["src/film/interval.rs", "src/measure/check/statistics.rs"]),
     ("flip_rs", &["src/measure/flip.rs"]),
     ("plotters", &["src/measure/plot"]),
-    ("unsafe ", &["src/math/lanes/"]),
+    ("unsafe ", &["src/math/simd/"]),
     // What a processor has, and what a system: all else is the same for every machine.
-    ("target_arch", &["src/math/lanes/"]),
-    ("std::arch", &["src/math/lanes/"]),
-    ("target_os", &["src/cli/memory.rs", "src/geometry/pages.rs", "src/viewer/mod.rs"]),
+    ("target_arch", &["src/math/simd/"]),
+    ("std::arch", &["src/math/simd/"]),
+    ("target_os", &["src/cli/memory.rs", "src/geometry/huge_pages.rs", "src/viewer/mod.rs"]),
     ("dirs::", &["src/viewer/settings.rs"]),
     (
         "std::time::Instant",
@@ -318,6 +318,116 @@ fn what_is_named_is_told_from_what_is_not() {
     }
     for name in ["Doo", "Doors", "Door::aja", "Gate::ajar", "Shut"] {
         assert!(!is_there(&sources, name), "{name}");
+    }
+}
+
+/// The type that a line of code declares outside of functions.
+fn declared_type(line: &str) -> Option<&str> {
+    let bare = match line.strip_prefix("pub") {
+        Some(rest) if rest.starts_with('(') => rest.split_once(") ")?.1,
+        Some(rest) => rest.strip_prefix(' ')?,
+        None => line,
+    };
+    let rest = ["struct ", "enum ", "trait ", "type ", "union "];
+    let rest = rest.iter().find_map(|item| bare.strip_prefix(item))?;
+    rest.split(|c: char| !c.is_alphanumeric() && c != '_').next()
+}
+
+/// Within a room a type's name stands for one type, and it has no other meaning in a room that may
+/// be named from there. The command line and the window are not looked at: each subcommand has its
+/// `Args`, each panel its `Question`.
+#[test]
+fn no_type_name_has_two_meanings() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut types: Vec<(String, &str, String)> = Vec::new();
+    for (file, _) in code() {
+        let room = file.trim_start_matches("src/").split(['/', '.']).next().unwrap();
+        let Some((room, _)) = MAY_KNOW.iter().find(|(name, _)| *name == room) else { continue };
+        let text = fs::read_to_string(root.join(&file)).unwrap();
+        let body = text.split("#[cfg(test)]\nmod tests {").next().unwrap();
+        let names = body.lines().filter_map(declared_type).map(String::from);
+        types.extend(names.map(|name| (name, *room, file.clone())));
+    }
+    assert!(types.len() > 300, "only {} types found", types.len());
+    let knows = |a: &str, b: &str| MAY_KNOW.iter().any(|(r, may)| *r == a && may.contains(&b));
+    for (i, (name, room, file)) in types.iter().enumerate() {
+        for (_, other, there) in types[..i].iter().filter(|t| t.0 == *name) {
+            let near = room == other || knows(room, other) || knows(other, room);
+            assert!(!near, "{name} is a type in {there} and another one in {file}");
+        }
+    }
+}
+
+/// Words that the code once had for what the field calls otherwise, as names.
+const OLD_WORDS: [&str; 50] = [
+    "plate",
+    "plates",
+    "Plate",
+    "Plates",
+    "lamp",
+    "lamps",
+    "Lamp",
+    "quadric",
+    "quadrics",
+    "Quadric",
+    "Quadrics",
+    "twig",
+    "twigs",
+    "Twig",
+    "Traveller",
+    "traveller",
+    "Deal",
+    "deal",
+    "Hand",
+    "hand",
+    "bundle",
+    "bundles",
+    "Bundle",
+    "Asked",
+    "asked",
+    "Looks",
+    "looks",
+    "lookers",
+    "Firsts",
+    "Seconds",
+    "matt",
+    "Lobes",
+    "Lane",
+    "Packet",
+    "Sheared",
+    "Passing",
+    "Extent",
+    "far_first",
+    "in_turn",
+    "widen",
+    "pilot",
+    "Outlet",
+    "Wrong",
+    "Right",
+    "NO_PLATE",
+    "MOST_PLATES",
+    "ROUNDING",
+    "Pages",
+    "Met",
+    "Leaving",
+];
+
+/// A line of code without what stands in quotation marks.
+fn without_strings(line: &str) -> String {
+    let line = line.split(" // ").next().unwrap().replace("\\\"", "");
+    line.split('"').step_by(2).collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn old_words_do_not_come_back() {
+    let library = code().into_iter().filter(|(file, _)| !file.starts_with("src/viewer/"));
+    for (file, lines) in library {
+        for line in &lines {
+            let code = without_strings(line);
+            let mut words = code.split(|c: char| !c.is_alphanumeric() && c != '_');
+            let old = words.find(|word| OLD_WORDS.contains(word));
+            assert!(old.is_none(), "{file}: {}: {line}", old.unwrap());
+        }
     }
 }
 

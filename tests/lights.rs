@@ -14,7 +14,7 @@ use support::Mean;
 /// Reflectance of the floor.
 const KD: f64 = 0.8;
 
-fn lamp(b: &mut SceneBuilder, radiance: f64) -> MaterialId {
+fn emitter(b: &mut SceneBuilder, radiance: f64) -> MaterialId {
     b.material(Material::light("lamp", [radiance; 3]).unwrap())
 }
 
@@ -77,8 +77,8 @@ fn a_sphere_lamp_of_any_apparent_size_has_its_form_factor() {
         let mut b = floor(3.0);
         let d2: f64 = height * height + aside * aside;
         // So bright that the floor is of radiance KD cos.
-        let lamp = lamp(&mut b, d2 / (radius * radius));
-        b.sphere(DVec3::new(aside, 0.0, height), radius, lamp).unwrap();
+        let emitter = emitter(&mut b, d2 / (radius * radius));
+        b.sphere(DVec3::new(aside, 0.0, height), radius, emitter).unwrap();
         // Below the ball's belly, from the far side: flat enough, and close enough to see nothing
         // but floor through the window.
         let gap: f64 = height - radius + 0.5 * aside * aside;
@@ -100,11 +100,11 @@ fn inside_a_lamp_all_directions_are_bright() {
     for shape in 0..3 {
         for half in [0.5, 3.0] {
             let mut b = floor(half);
-            let lamp = lamp(&mut b, 3.0);
+            let emitter = emitter(&mut b, 3.0);
             match shape {
-                0 => b.sphere(DVec3::new(0.0, 0.0, 0.2), 2.0, lamp).unwrap(),
-                1 => b.cuboid(DVec3::splat(-2.0), DVec3::splat(4.0), lamp).unwrap(),
-                _ => b.cylinder(DVec3::Z * -1.5, DVec3::Z * 4.0, 2.0, lamp).unwrap(),
+                0 => b.sphere(DVec3::new(0.0, 0.0, 0.2), 2.0, emitter).unwrap(),
+                1 => b.cuboid(DVec3::splat(-2.0), DVec3::splat(4.0), emitter).unwrap(),
+                _ => b.cylinder(DVec3::Z * -1.5, DVec3::Z * 4.0, 2.0, emitter).unwrap(),
             }
             for x in [0.0, 0.4, 1.9, 1.985] {
                 if x > half {
@@ -134,8 +134,8 @@ fn lamps_below_the_horizon_give_nothing() {
         ("in the plane", v(1.5, -1.0, 0.0), v(2.0, 2.0, 0.0), 1e-6),
     ] {
         let mut b = floor(1.0);
-        let lamp = lamp(&mut b, 5.0);
-        b.cuboid(corner, side, lamp).unwrap();
+        let emitter = emitter(&mut b, 5.0);
+        b.cuboid(corner, side, emitter).unwrap();
         look(&mut b, v(-1.0, 0.0, 2.0), DVec3::ZERO);
         for strategy in Strategy::ALL {
             let mean = direct(&b, strategy, 32).mean;
@@ -161,12 +161,12 @@ fn lamps_without_area_are_left_out() {
     };
     let picture = |with_speck: bool, sky: f32| {
         let mut b = floor(3.0);
-        let lamp = lamp(&mut b, 1e12);
+        let emitter = emitter(&mut b, 1e12);
         // The speck is within the bounds of this.
         let black = b.material(Material::reflecting("", [0.0; 3], [0.0; 3], 0.0).unwrap());
         b.sphere(far + DVec3::Z, 0.5, black).unwrap();
         if with_speck {
-            assert_eq!(b.mesh(&speck, DAffine3::IDENTITY, lamp).unwrap().kept, 1);
+            assert_eq!(b.mesh(&speck, DAffine3::IDENTITY, emitter).unwrap().kept, 1);
         }
         b.environment = [sky; 3];
         look(&mut b, DVec3::new(-1.0, 0.0, 2.0), DVec3::ZERO);
@@ -186,7 +186,7 @@ fn one_lamp_a_million_times_brighter_hides_no_other() {
     let (count, radius, distance) = (300, 0.06, 2.0);
     for walled in [false, true] {
         let mut b = floor(0.5);
-        let (dim, bright) = (lamp(&mut b, 1.0), lamp(&mut b, 1e6));
+        let (dim, bright) = (emitter(&mut b, 1.0), emitter(&mut b, 1e6));
         let mut expected = 0.0;
         for i in 0..count {
             // Evenly over the upper part of the sky, no two in a line.
@@ -225,8 +225,8 @@ fn both_ways_together_are_as_good_as_the_better_one() {
         let mut b = SceneBuilder::new("plate");
         let metal = b.material(Material::reflecting("metal", [0.0; 3], [0.9; 3], 10.0).unwrap());
         b.cuboid(DVec3::new(-2.0, -2.0, 0.0), DVec3::new(4.0, 4.0, 0.0), metal).unwrap();
-        let lamp = lamp(&mut b, 1.0 / (radius * radius));
-        b.sphere(DVec3::new(0.0, 1.5, 1.5), radius, lamp).unwrap();
+        let emitter = emitter(&mut b, 1.0 / (radius * radius));
+        b.sphere(DVec3::new(0.0, 1.5, 1.5), radius, emitter).unwrap();
         // The mirror image of the lamp is in the middle.
         let eye = DVec3::new(0.0, -1.5, 1.5);
         b.camera = Some(Camera::look_at(eye, DVec3::ZERO, 0.05f64.max(0.6 * radius)).unwrap());
@@ -255,7 +255,7 @@ fn both_ways_together_are_as_good_as_the_better_one() {
 #[test]
 fn a_lamp_of_many_slivers_is_the_lamp() {
     let mut whole = floor(2.0);
-    let radiance = lamp(&mut whole, 2.0);
+    let radiance = emitter(&mut whole, 2.0);
     let mut slivers = whole.clone();
     let (corner, side) = (DVec3::new(-0.5, -0.5, 1.0), DVec3::new(1.0, 1.0, 0.0));
     whole.cuboid(corner, side, radiance).unwrap();

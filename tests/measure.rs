@@ -4,15 +4,15 @@
 mod support;
 
 use burnish::brdf::{Model, Normals, Roughness};
-use burnish::measure::difference::Difference;
+use burnish::measure::difference::PictureDifference;
 use burnish::measure::error::{self, Measure, Pair, PairError, Reference, mean_margin};
 use burnish::measure::flip::Flip;
-use burnish::measure::plot::{Curve, Dot, Panel, log_log};
-use burnish::measure::speed::{Experiment, Fit, Plan, Spread, Truth, Variant};
+use burnish::measure::plot::{Dot, Panel, PlotCurve, log_log};
+use burnish::measure::speed::{Fit, SpeedExperiment, SpeedPlan, Spread, Truth, Variant};
 use burnish::picture::{Picture, Tone};
 use burnish::progressive::{Params, Strategy};
 use burnish::scene::{Material, SceneBuilder};
-use burnish::trace::Group;
+use burnish::trace::ReuseGroup;
 use glam::DVec3;
 use std::sync::Arc;
 use support::Random;
@@ -122,7 +122,7 @@ fn equal_pictures_have_no_error_and_names_are_distinct() {
     assert_eq!(pair.mean_error_margin(), Some(0.0));
     assert_eq!(Flip::tone_mapped(&pair, Tone::default()).unwrap().mean(), 0.0);
     assert_eq!(Flip::hdr(&pair).unwrap().mean(), 0.0);
-    let white = Difference::new(&pair).false_colour(1.0);
+    let white = PictureDifference::new(&pair).false_colour(1.0);
     assert!(white.pixels.iter().all(|p| *p == [1.0; 3]));
 }
 
@@ -177,7 +177,7 @@ fn pixels_that_are_not_finite_are_left_out_and_counted() {
     // What a person sees has an answer, the radiance has not.
     assert!(Flip::tone_mapped(&pair, Tone::default()).unwrap().mean() > 0.0);
     assert!(Flip::hdr(&pair).unwrap_err().contains("nonfinite"));
-    assert_eq!(Difference::new(&pair).false_colour(1.0).pixels[0], [1.0, 0.0, 1.0]);
+    assert_eq!(PictureDifference::new(&pair).false_colour(1.0).pixels[0], [1.0, 0.0, 1.0]);
 }
 
 /// A picture and a reference with independent noise: what is found is the picture's alone, within
@@ -281,7 +281,7 @@ fn the_difference_is_red_where_too_bright_and_full_at_its_scale() {
     let root = 1.01f32.sqrt();
     let x =
         picture(4, [1.0, 1.0 + root, 1.0 - 0.5 * root, 1.0 + 9.0 * root].map(|v| [v; 3]).into());
-    let difference = Difference::new(&Pair::new(&x, &r).unwrap());
+    let difference = PictureDifference::new(&Pair::new(&x, &r).unwrap());
     assert!((difference.scale() - 9.0).abs() < 1e-5, "{}", difference.scale());
     let colours = difference.false_colour(1.0).pixels;
     assert_eq!(colours[0], [1.0; 3]);
@@ -351,21 +351,21 @@ fn furnace() -> Params {
     Params::new(Arc::new(builder.build()))
 }
 
-fn measured(plan: &Plan, truth: &Truth) -> Experiment {
+fn measured(plan: &SpeedPlan, truth: &Truth) -> SpeedExperiment {
     plan.run(truth, |_| {}).unwrap()
 }
 
-fn plan(base: Params, strategies: &[Strategy], passes: u64, repeats: u32) -> Plan {
+fn plan(base: Params, strategies: &[Strategy], passes: u64, repeats: u32) -> SpeedPlan {
     let mut variants = Variant::all(&[Model::Ggx], strategies, &[Normals::Visible]);
     variants.retain(|variant| !variant.engine);
-    Plan { base, variants, passes, seconds: None, repeats, threads: 2 }
+    SpeedPlan { base, variants, passes, seconds: None, repeats, threads: 2 }
 }
 
 /// A furnace against its exact answer and against a reference as noisy as itself: the same error
 /// once the noise is subtracted, within 15 %; and the mean is right.
 #[test]
 fn a_rendered_reference_measures_what_the_exact_one_does() {
-    let base = Params { group: Some(Group::None), ..furnace() };
+    let base = Params { group: Some(ReuseGroup::None), ..furnace() };
     let exact = Truth::Given(Reference::exact(base.size, [1.0; 3]));
     let plan = plan(base, &[Strategy::Mis], 16, 5);
     let by_exact = measured(&plan, &exact).summaries();
@@ -482,7 +482,7 @@ fn is_well_formed(svg: &str) -> bool {
 #[test]
 fn a_plot_is_well_formed_whatever_the_numbers() {
     let dot = |x: f64, y: f64| Dot { x, y, range: [0.5 * y, 2.0 * y] };
-    let curve = |label: &str, dots: Vec<Dot>| Curve {
+    let curve = |label: &str, dots: Vec<Dot>| PlotCurve {
         label: label.into(),
         colour: 7,
         mark: 3,

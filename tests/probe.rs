@@ -13,11 +13,11 @@ fn room() -> Arc<Scene> {
     let mut b = SceneBuilder::new("room");
     let wall = b.material(Material::reflecting("wall", [0.6, 0.5, 0.4], [0.04; 3], 100.0).unwrap());
     let metal = b.material(Material::reflecting("metal", [0.0; 3], [0.9; 3], 40.0).unwrap());
-    let lamp = b.material(Material::light("lamp", [5.0, 5.0, 4.0]).unwrap());
+    let emitter = b.material(Material::light("lamp", [5.0, 5.0, 4.0]).unwrap());
     b.cuboid(DVec3::new(-4.0, -4.0, -2.5), DVec3::new(8.0, 8.0, 0.5), wall).unwrap();
     b.cuboid(DVec3::new(-4.0, 2.0, -2.5), DVec3::new(8.0, 0.5, 3.5), wall).unwrap();
     b.sphere(DVec3::new(0.5, 0.3, -1.2), 0.8, metal).unwrap();
-    b.sphere(DVec3::new(-0.5, 0.5, 1.2), 0.4, lamp).unwrap();
+    b.sphere(DVec3::new(-0.5, 0.5, 1.2), 0.4, emitter).unwrap();
     b.environment = [0.1, 0.15, 0.2];
     b.camera =
         Some(Camera::look_at(DVec3::new(0.2, -3.9, 0.4), DVec3::new(0.0, 1.0, -0.3), 0.6).unwrap());

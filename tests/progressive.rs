@@ -15,11 +15,11 @@ fn small_room() -> Arc<Scene> {
     let wall = Material::reflecting("wall", [0.6, 0.5, 0.4], [0.04; 3], 100.0).unwrap();
     let wall = b.material(wall);
     let metal = b.material(Material::reflecting("metal", [0.0; 3], [0.9; 3], 500.0).unwrap());
-    let lamp = b.material(Material::light("lamp", [5.0, 5.0, 4.0]).unwrap());
+    let emitter = b.material(Material::light("lamp", [5.0, 5.0, 4.0]).unwrap());
     b.cuboid(DVec3::splat(-2.0), DVec3::splat(4.0), wall).unwrap();
     b.sphere(DVec3::new(0.5, 0.3, -1.2), 0.8, metal).unwrap();
     b.cylinder(DVec3::new(-0.9, 0.4, -2.0), DVec3::new(0.2, 0.0, 1.5), 0.3, metal).unwrap();
-    b.sphere(DVec3::new(-0.5, 0.5, 1.2), 0.4, lamp).unwrap();
+    b.sphere(DVec3::new(-0.5, 0.5, 1.2), 0.4, emitter).unwrap();
     b.camera =
         Some(Camera::look_at(DVec3::new(0.2, -1.9, 0.1), DVec3::new(0.0, 1.0, -0.3), 0.8).unwrap());
     b.screen = [70, 50];
@@ -264,8 +264,8 @@ fn a_worker_that_fails_is_told_and_the_next_change_goes_on() {
 fn samples_that_are_no_numbers_are_counted_and_left_out() {
     for sky in [f32::INFINITY, f32::NAN] {
         let mut b = SceneBuilder::new("half a sky");
-        let lamp = b.material(Material::light("lamp", [2.0; 3]).unwrap());
-        b.cuboid(DVec3::new(-50.0, 1.0, -50.0), DVec3::new(50.0, 0.0, 100.0), lamp).unwrap();
+        let emitter = b.material(Material::light("lamp", [2.0; 3]).unwrap());
+        b.cuboid(DVec3::new(-50.0, 1.0, -50.0), DVec3::new(50.0, 0.0, 100.0), emitter).unwrap();
         b.environment = [sky; 3];
         b.camera = Some(Camera::look_at(DVec3::ZERO, DVec3::Y, 0.8).unwrap());
         b.screen = [8, 6];

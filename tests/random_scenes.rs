@@ -1,7 +1,7 @@
 //! Scenes drawn at random: the engine's pictures, as users get them, against the reference tracer's.
 
-use burnish::math::lanes::Isa;
-use burnish::measure::random::{Budget, Kind, RandomScene, Verdict, judge, run};
+use burnish::math::simd::Isa;
+use burnish::measure::random::{Budget, EmitterKind, RandomScene, Verdict, judge, run};
 use burnish::scene::Scene;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -34,7 +34,7 @@ fn the_engine_agrees_with_the_reference_tracer() {
 #[test]
 fn scenes_are_of_every_kind_size_and_place() {
     let scenes: Vec<RandomScene> = (0..100).map(|seed| RandomScene::draw(seed).unwrap()).collect();
-    for kind in Kind::ALL {
+    for kind in EmitterKind::ALL {
         assert_eq!(scenes.iter().filter(|s| s.kind == kind).count(), 20, "{kind:?}");
     }
     let of = |figure: &dyn Fn(&Scene) -> f64| {

@@ -4,16 +4,17 @@ mod support;
 
 use burnish::brdf::Model;
 use burnish::math::Rgb;
-use burnish::math::lanes::Isa;
+use burnish::math::simd::Isa;
 use burnish::progressive::{Params, Replay, render};
 use burnish::scene::builtin::Example;
 use burnish::scene::{Camera, Material, Scene, SceneBuilder};
-use burnish::trace::{Deal, Group, Hand, Part};
+use burnish::trace::{Contribution, PixelBatch, PixelGrouping, ReuseGroup};
 use glam::DVec3;
 use std::sync::Arc;
 use support::Mean;
 
-const SHARED: [Group; 3] = [Group::Sixteen, Group::SixtyFour, Group::OneTwentyEight];
+const SHARED: [ReuseGroup; 3] =
+    [ReuseGroup::Sixteen, ReuseGroup::SixtyFour, ReuseGroup::OneTwentyEight];
 
 /// Glossy and diffuse bodies that touch, a lamp that also reflects, and a sky.
 fn touching() -> Scene {
@@ -31,17 +32,17 @@ fn bodies(name: &str, [ks, exponent]: [f64; 2], sharp: f64) -> Scene {
     let floor = b.material(floor);
     let wall = b.material(Material::reflecting("wall", [0.7, 0.7, 0.2], [0.0; 3], 1.0).unwrap());
     let metal = b.material(Material::reflecting("metal", [0.0; 3], [0.9; 3], sharp).unwrap());
-    let lamp = Material {
+    let emitter = Material {
         emission: [6.0, 5.0, 4.0],
         ..Material::reflecting("lamp", [0.3; 3], [0.2; 3], 40.0).unwrap()
     };
-    let lamp = b.material(lamp);
+    let emitter = b.material(emitter);
     b.cuboid(DVec3::new(-2.0, -2.0, 0.0), DVec3::new(4.0, 4.0, -0.1), floor).unwrap();
     b.cuboid(DVec3::new(-2.0, 1.0, 0.0), DVec3::new(4.0, 0.1, 2.0), wall).unwrap();
     b.cuboid(DVec3::new(-0.9, 0.2, 0.0), DVec3::new(0.5, 0.5, 0.7), metal).unwrap();
     b.sphere(DVec3::new(0.4, 0.3, 0.5), 0.5, metal).unwrap();
     b.sphere(DVec3::new(-0.2, -0.4, 0.15), 0.15, wall).unwrap();
-    b.cylinder(DVec3::new(0.9, -0.3, 0.0), DVec3::Z * 0.4, 0.2, lamp).unwrap();
+    b.cylinder(DVec3::new(0.9, -0.3, 0.0), DVec3::Z * 0.4, 0.2, emitter).unwrap();
     b.environment = [0.1, 0.15, 0.2];
     let eye = DVec3::new(0.2, -2.4, 1.1);
     b.camera = Some(Camera::look_at(eye, DVec3::new(0.0, 0.3, 0.4), 0.5).unwrap());
@@ -54,15 +55,15 @@ fn scenes() -> Vec<Scene> {
     [touching(), mirrors()].into_iter().chain(shipped).collect()
 }
 
-fn hands(deal: &Deal) -> Vec<Hand> {
-    let [columns, rows] = deal.bundles();
+fn hands(grouping: &PixelGrouping) -> Vec<PixelBatch> {
+    let [columns, rows] = grouping.batches();
     let all = (0..rows).flat_map(|y| (0..columns).map(move |x| [x, y]));
-    let hand = |at| {
-        let mut hand = Hand::default();
-        deal.bundle(at, &mut hand);
-        hand
+    let batch = |at| {
+        let mut batch = PixelBatch::default();
+        grouping.batch(at, &mut batch);
+        batch
     };
-    all.map(hand).collect()
+    all.map(batch).collect()
 }
 
 /// The light over a quarter of the picture and in all of it: with and without sharing it is the same
@@ -79,7 +80,7 @@ fn sharing_changes_the_noise_and_nothing_else() {
             let max_depth = (scene.name() == "mirrors" && j == 1).then_some(2);
             let params = Params { size, model, max_depth, ..Params::new(scene.clone()) };
             let mut means = Vec::new();
-            for group in [Group::None, group] {
+            for group in [ReuseGroup::None, group] {
                 // Passes of different seeds are independent, however alike the pixels of one are.
                 let mut quarters: Vec<Mean> = (0..5).map(|_| Mean::default()).collect();
                 let mut spread = 0.0;
@@ -119,11 +120,12 @@ fn the_parts_make_up_the_whole() {
         let params = Params { size: [64, 48], ..Params::new(Arc::new(scene)) };
         let tracer = params.tracer();
         let mut scratch = tracer.scratch();
-        for mut hand in hands(&Deal::new(params.size, 2, 5, Group::ThirtyTwo)) {
-            let [whole, own, shared] = [Part::Whole, Part::Own, Part::Shared].map(|part| {
-                hand.part = part;
-                tracer.samples_of(&hand, 5, &mut scratch)
-            });
+        for mut batch in hands(&PixelGrouping::new(params.size, 2, 5, ReuseGroup::ThirtyTwo)) {
+            let [whole, own, shared] =
+                [Contribution::Whole, Contribution::Own, Contribution::Shared].map(|part| {
+                    batch.contribution = part;
+                    tracer.samples_of(&batch, 5, &mut scratch)
+                });
             for ((whole, own), shared) in whole.into_iter().zip(own).zip(shared) {
                 let (sum, whole) = ((own + shared).luminance(), whole.luminance());
                 assert!((sum - whole).abs() <= 1e-5 * (sum + whole), "{sum} {whole}");
@@ -140,14 +142,14 @@ fn a_group_can_be_traced_again_alone() {
         let params = Params { model, ..params.clone() };
         let tracer = params.tracer();
         let mut scratch = tracer.scratch();
-        for hand in hands(&Deal::new(params.size, 0, 7, group)) {
-            let together = tracer.samples_of(&hand, 7, &mut scratch);
+        for batch in hands(&PixelGrouping::new(params.size, 0, 7, group)) {
+            let together = tracer.samples_of(&batch, 7, &mut scratch);
             let mut start = 0;
-            for &end in &hand.ends {
+            for &end in &batch.ends {
                 let places = start..end as usize;
-                let pixels = hand.pixels[places.clone()].to_vec();
+                let pixels = batch.pixels[places.clone()].to_vec();
                 let ends = vec![pixels.len() as u32];
-                let alone = Hand { pixels, ends, ..Hand::default() };
+                let alone = PixelBatch { pixels, ends, ..PixelBatch::default() };
                 let again = tracer.samples_of(&alone, 7, &mut scratch);
                 assert!(again == together[places], "{model:?} {group:?}");
                 start = end as usize;
@@ -170,8 +172,8 @@ fn instruction_sets_agree() {
             let mut scratch = tracer.scratch();
             let mut all = Vec::new();
             for (pass, group) in (0..).zip(SHARED) {
-                for hand in hands(&Deal::new(params.size, 0, pass, group)) {
-                    all.extend(tracer.samples_of(&hand, pass, &mut scratch));
+                for batch in hands(&PixelGrouping::new(params.size, 0, pass, group)) {
+                    all.extend(tracer.samples_of(&batch, pass, &mut scratch));
                 }
             }
             found.push(all);
@@ -200,23 +202,23 @@ fn the_size_of_group_is_part_of_the_picture() {
         let again = render(params.clone(), 2, threads).unwrap();
         assert_eq!((again.group, again.mean()), (chosen.group, chosen.mean()));
     }
-    assert_ne!(chosen.group, Group::None, "indirect light is worth sharing");
-    for group in Group::ALL {
+    assert_ne!(chosen.group, ReuseGroup::None, "indirect light is worth sharing");
+    for group in ReuseGroup::ALL {
         let given = render(Params { group: Some(group), ..params.clone() }, 2, 2).unwrap();
         assert_eq!(given.group, group);
         assert_eq!(given.mean() == chosen.mean(), group == chosen.group);
     }
     let direct = render(Params { max_depth: Some(1), ..params.clone() }, 2, 2).unwrap();
-    assert_eq!(direct.group, Group::None, "there is nothing to share");
+    assert_eq!(direct.group, ReuseGroup::None, "there is nothing to share");
     let reference = render(Params { reference: true, ..params }, 2, 2).unwrap();
-    assert_eq!(reference.group, Group::None);
+    assert_eq!(reference.group, ReuseGroup::None);
 }
 
 /// A pixel of a picture is the mean of its samples, each traced again by itself.
 #[test]
 fn any_pixel_can_be_replayed() {
     let params = Params { size: [40, 30], seed: 3, ..Params::new(Arc::new(touching())) };
-    for group in [None, Some(Group::None), Some(Group::ThirtyTwo)] {
+    for group in [None, Some(ReuseGroup::None), Some(ReuseGroup::ThirtyTwo)] {
         let params = Params { group, ..params.clone() };
         let picture = render(params.clone(), 4, 2).unwrap();
         for pixel in [[0, 0], [17, 12], [39, 29]] {
@@ -241,7 +243,9 @@ fn any_pixel_can_be_replayed() {
 fn a_pixel_of_a_planned_picture_can_be_replayed() {
     let passes = 24;
     let params = Params { size: [16, 9], seed: 3, ..Params::new(Arc::new(mirrors())) };
-    for group in [None, Some(Group::None), Some(Group::Sixteen), Some(Group::OneTwentyEight)] {
+    for group in
+        [None, Some(ReuseGroup::None), Some(ReuseGroup::Sixteen), Some(ReuseGroup::OneTwentyEight)]
+    {
         let params = Params { group, ..params.clone() };
         let picture = render(params.clone(), passes, 2).unwrap();
         assert!(picture.samples().iter().all(|&n| n == passes));

@@ -6,7 +6,7 @@ mod support;
 use burnish::brdf::Model;
 use burnish::progressive::{Params, render};
 use burnish::scene::{Camera, Material, Mesh, Scene, SceneBuilder, Smooth};
-use burnish::trace::Group;
+use burnish::trace::ReuseGroup;
 use glam::{DAffine3, DQuat, DVec3};
 use std::sync::Arc;
 use support::{Mean, Random, split};
@@ -154,7 +154,7 @@ fn coarse_room(seed: u64, kind: usize) -> Arc<Scene> {
     let (kd, ks) = [([0.8; 3], [0.0; 3]), ([0.0; 3], [0.9, 0.8, 0.7]), ([0.3; 3], [0.4; 3])][kind];
     let exponent = [1.0, 70.0, 2500.0][kind];
     let body = b.material(Material::reflecting("body", kd, ks, exponent).unwrap());
-    let lamp = b.material(Material::light("lamp", [9.0, 8.0, 7.0]).unwrap());
+    let emitter = b.material(Material::light("lamp", [9.0, 8.0, 7.0]).unwrap());
     b.cuboid(DVec3::splat(-2.0), DVec3::new(4.0, 4.0, 3.1), wall).unwrap();
     for i in 0..9 {
         let mut mesh = icosphere(i % 2);
@@ -170,8 +170,8 @@ fn coarse_room(seed: u64, kind: usize) -> Arc<Scene> {
             DAffine3::from_scale_rotation_translation(DVec3::splat(size), turn(&mut random), at);
         b.mesh(&mesh, place, body).unwrap();
     }
-    b.cuboid(DVec3::new(-1.9, -0.3, 1.0), DVec3::new(1.1, 0.9, 0.0), lamp).unwrap();
-    b.sphere(DVec3::new(1.3, -0.7, 0.2), 0.21, lamp).unwrap();
+    b.cuboid(DVec3::new(-1.9, -0.3, 1.0), DVec3::new(1.1, 0.9, 0.0), emitter).unwrap();
+    b.sphere(DVec3::new(1.3, -0.7, 0.2), 0.21, emitter).unwrap();
     b.environment = [0.2, 0.3, 0.4];
     let eye = DVec3::new(0.1, -1.9, 0.2);
     b.camera = Some(Camera::look_at(eye, DVec3::new(0.0, 0.5, -0.9), 0.7).unwrap());
@@ -186,7 +186,7 @@ fn bent_normals_have_one_mean_for_all_who_look() {
     for kind in [1, 2, 0] {
         let scene = coarse_room(40 + kind as u64, kind);
         let model = [Model::Ggx, Model::Ggx, Model::Beckmann][kind];
-        let of = |reference: bool, group: Group, seeds: u64| {
+        let of = |reference: bool, group: ReuseGroup, seeds: u64| {
             let mut means: Vec<Mean> = (0..regions).map(|_| Mean::default()).collect();
             for seed in 0..seeds {
                 let group = Some(group);
@@ -204,11 +204,11 @@ fn bent_normals_have_one_mean_for_all_who_look() {
             }
             means
         };
-        let reference = of(true, Group::None, 160);
+        let reference = of(true, ReuseGroup::None, 160);
         for (name, found) in [
-            ("alone", of(false, Group::None, 100)),
-            ("sixteen", of(false, Group::Sixteen, 80)),
-            ("many", of(false, Group::OneTwentyEight, 80)),
+            ("alone", of(false, ReuseGroup::None, 100)),
+            ("sixteen", of(false, ReuseGroup::Sixteen, 80)),
+            ("many", of(false, ReuseGroup::OneTwentyEight, 80)),
         ] {
             for (region, (a, b)) in reference.iter().zip(&found).enumerate() {
                 let error = a.standard_error().hypot(b.standard_error());

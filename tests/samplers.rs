@@ -3,7 +3,7 @@
 mod support;
 
 use burnish::brdf::{
-    Beckmann, Distribution, Ggx, Lobes, Microfacet, Model, ModelVisitor, Phong, Roughness, Width,
+    Alpha, Beckmann, BrdfParams, FullNdf, Ggx, Microfacet, Model, ModelVisitor, Phong, Roughness,
 };
 use burnish::math::{Rgb, V3, warp};
 use std::f64::consts::{PI, TAU};
@@ -14,7 +14,7 @@ const COSINES: [f64; 7] = [1.0, 0.95, 0.5, 0.1, 1e-3, 1e-5, 1e-7];
 /// Below this probability a fixed-seed test counts as failed; some 300 are made.
 const SIGNIFICANCE: f64 = 1e-5;
 
-fn width(alpha: f64) -> Width {
+fn width(alpha: f64) -> Alpha {
     Roughness::from_alpha(alpha).unwrap().into()
 }
 
@@ -23,7 +23,7 @@ fn viewer(cos: f64, phi: f64) -> V3 {
     V3::new((sin * phi.cos()) as f32, (sin * phi.sin()) as f32, cos as f32)
 }
 
-fn normals<M: Microfacet>(w: Width, wo: V3, seed: u64) -> Vec<[f64; 3]> {
+fn normals<M: Microfacet>(w: Alpha, wo: V3, seed: u64) -> Vec<[f64; 3]> {
     let mut r = Random::new(seed);
     (0..20_000)
         .map(|_| {
@@ -112,8 +112,8 @@ fn normals_of_the_distribution_map_back_to_uniform_numbers() {
         let wo = viewer(0.1, 0.7);
         let a2 = (width(alpha).alpha as f64).powi(2);
         let tan2 = |m: &[f64; 3]| (m[0] * m[0] + m[1] * m[1]) / (m[2] * m[2]) / a2;
-        let beckmann = normals::<Distribution<Beckmann>>(width(alpha), wo, 9);
-        let ggx = normals::<Distribution<Ggx>>(width(alpha), wo, 10);
+        let beckmann = normals::<FullNdf<Beckmann>>(width(alpha), wo, 9);
+        let ggx = normals::<FullNdf<Ggx>>(width(alpha), wo, 10);
         let heights = beckmann.iter().map(|m| (-tan2(m)).exp()).collect();
         assert_uniform(&format!("all of beckmann {alpha} height"), heights);
         let heights = ggx.iter().map(|m| 1.0 / (1.0 + tan2(m))).collect();
@@ -132,7 +132,7 @@ fn normalize(v: [f64; 3]) -> [f64; 3] {
 
 /// Histogram of sampled directions against the density integrated over each cell.
 struct Directions {
-    lobes: Lobes,
+    params: BrdfParams,
     wo: V3,
 }
 
@@ -147,7 +147,7 @@ impl ModelVisitor for Directions {
         let mut observed = vec![0.0; RINGS * SECTORS + 1];
         let mut r = Random::new(4);
         for _ in 0..n {
-            let s = self.lobes.sample::<M>(self.wo, r.unit(), r.pair());
+            let s = self.params.sample::<M>(self.wo, r.unit(), r.pair());
             let cell = if s.pdf > 0.0 {
                 let ring = (s.wi.z as f64 * RINGS as f64) as usize;
                 let sector = turn(s.wi.y as f64, s.wi.x as f64) * SECTORS as f64;
@@ -157,14 +157,14 @@ impl ModelVisitor for Directions {
             };
             observed[cell] += 1.0;
         }
-        let fine = if self.lobes.width.alpha < 0.2 { 48 } else { 16 };
+        let fine = if self.params.roughness.alpha < 0.2 { 48 } else { 16 };
         let mut expected = vec![0.0; RINGS * SECTORS + 1];
         for (cell, sum) in expected[..RINGS * SECTORS].iter_mut().enumerate() {
             for i in 0..fine * fine {
                 let z = (cell / SECTORS) as f64 + ((i / fine) as f64 + 0.5) / fine as f64;
                 let phi = (cell % SECTORS) as f64 + ((i % fine) as f64 + 0.5) / fine as f64;
                 let wi = viewer(z / RINGS as f64, phi / SECTORS as f64 * TAU);
-                *sum += self.lobes.eval::<M>(self.wo, wi).pdf as f64;
+                *sum += self.params.eval::<M>(self.wo, wi).pdf as f64;
             }
             *sum *= TAU / (RINGS * SECTORS * fine * fine) as f64 * n as f64;
         }
@@ -181,9 +181,12 @@ fn directions_follow_the_density_of_the_mixture() {
         for alpha in [0.1, 0.15, 0.3, 0.6, 1.0] {
             for cos in [0.999, 0.7, 0.3] {
                 for (kd, ks) in [(0.5, 0.2), (0.0, 0.8), (0.6, 0.0)] {
-                    let lobes =
-                        Lobes { kd: Rgb::splat(kd), ks: Rgb::splat(ks), width: width(alpha) };
-                    let (sigmas, total) = model.visit(Directions { lobes, wo: viewer(cos, 0.4) });
+                    let params = BrdfParams {
+                        kd: Rgb::splat(kd),
+                        ks: Rgb::splat(ks),
+                        roughness: width(alpha),
+                    };
+                    let (sigmas, total) = model.visit(Directions { params, wo: viewer(cos, 0.4) });
                     let case = format!("{model:?} {alpha} {cos} {kd} {ks}");
                     assert!(sigmas < 4.5, "{case}: chi-square {sigmas} sigmas");
                     assert!(total < 1.0 + 1e-3, "{case}: density integrates to {total}");
@@ -197,10 +200,11 @@ fn directions_follow_the_density_of_the_mixture() {
 fn directions_of_the_distributions_normals_follow_their_density() {
     for alpha in [0.1, 0.15, 0.3, 0.6, 1.0] {
         for cos in [0.999, 0.7, 0.3] {
-            let lobes = Lobes { kd: Rgb::BLACK, ks: Rgb::splat(0.8), width: width(alpha) };
-            let directions = || Directions { lobes, wo: viewer(cos, 0.4) };
-            let beckmann = directions().visit::<Distribution<Beckmann>>();
-            let ggx = directions().visit::<Distribution<Ggx>>();
+            let params =
+                BrdfParams { kd: Rgb::BLACK, ks: Rgb::splat(0.8), roughness: width(alpha) };
+            let directions = || Directions { params, wo: viewer(cos, 0.4) };
+            let beckmann = directions().visit::<FullNdf<Beckmann>>();
+            let ggx = directions().visit::<FullNdf<Ggx>>();
             for (name, (sigmas, total)) in [("beckmann", beckmann), ("ggx", ggx)] {
                 let case = format!("{name} {alpha} {cos}");
                 assert!(sigmas < 4.5, "{case}: chi-square {sigmas} sigmas");
@@ -213,7 +217,7 @@ fn directions_of_the_distributions_normals_follow_their_density() {
 /// The value and density that come with a sample are those of its direction, and the mean weight
 /// is the albedo found by asking in all directions alike.
 struct Consistency {
-    lobes: Lobes,
+    params: BrdfParams,
     wo: V3,
 }
 
@@ -223,9 +227,9 @@ impl ModelVisitor for Consistency {
         let (mut worst, mut sampled, mut uniform) = (0.0f64, Mean::default(), Mean::default());
         let mut r = Random::new(5);
         for _ in 0..40_000 {
-            let s = self.lobes.sample::<M>(self.wo, r.unit(), r.pair());
+            let s = self.params.sample::<M>(self.wo, r.unit(), r.pair());
             if s.pdf > 0.0 {
-                let e = self.lobes.eval::<M>(self.wo, s.wi);
+                let e = self.params.eval::<M>(self.wo, s.wi);
                 worst = worst
                     .max((s.pdf / e.pdf - 1.0).abs() as f64)
                     .max((s.f.r / e.f.r - 1.0).abs() as f64);
@@ -234,7 +238,7 @@ impl ModelVisitor for Consistency {
                 sampled.add(0.0);
             }
             let wi = warp::cosine_hemisphere(r.pair());
-            uniform.add(self.lobes.eval::<M>(self.wo, wi).f.r as f64 * PI);
+            uniform.add(self.params.eval::<M>(self.wo, wi).f.r as f64 * PI);
         }
         (worst, sampled, uniform)
     }
@@ -245,9 +249,13 @@ fn samples_carry_the_value_and_density_of_their_direction() {
     for model in Model::ALL {
         for (alpha, bound) in [(0.02, 2e-2), (0.1, 1e-3), (0.4, 3e-4), (1.0, 3e-4)] {
             for cos in [0.99, 0.5, 0.1] {
-                let lobes = Lobes { kd: Rgb::splat(0.4), ks: Rgb::splat(0.3), width: width(alpha) };
+                let params = BrdfParams {
+                    kd: Rgb::splat(0.4),
+                    ks: Rgb::splat(0.3),
+                    roughness: width(alpha),
+                };
                 let (worst, sampled, uniform) =
-                    model.visit(Consistency { lobes, wo: viewer(cos, 2.0) });
+                    model.visit(Consistency { params, wo: viewer(cos, 2.0) });
                 let case = format!("{model:?} {alpha} {cos}");
                 assert!(worst < bound, "{case}: off by {worst}");
                 if alpha >= 0.4 {
@@ -266,7 +274,7 @@ const ALBEDOS: &str = include_str!("data/albedo.csv");
 
 /// Albedos of three channels by sampling: the mean weights of independent sets of samples.
 struct Albedo {
-    lobes: Lobes,
+    params: BrdfParams,
     wo: V3,
     strata: usize,
     seed: u64,
@@ -279,7 +287,7 @@ impl ModelVisitor for Albedo {
     /// Each set has one sample in every cell of a grid over the unit square, and lobes chosen by
     /// a golden-ratio sequence: fewer samples do, and sets stay independent of each other.
     fn visit<M: Microfacet>(self) -> [Mean; 3] {
-        let view = self.lobes.seen_from::<M>(self.wo);
+        let brdf = self.params.at_wo::<M>(self.wo);
         let (mut r, n) = (Random::new(self.seed), self.strata);
         let mut means = [Mean::default(); 3];
         for _ in 0..SETS {
@@ -289,7 +297,7 @@ impl ModelVisitor for Albedo {
                 let u = [within(cell % n, r.unit()), within(cell / n, r.unit())];
                 let u = u.map(|u| u.min(1.0 - f32::EPSILON / 2.0));
                 let choice = (shift + 0.618_033_988_749_895 * cell as f64).fract() as f32;
-                let s = view.sample::<M>(choice.min(1.0 - f32::EPSILON / 2.0), u);
+                let s = brdf.sample::<M>(choice.min(1.0 - f32::EPSILON / 2.0), u);
                 // What fell below the horizon found nothing, and counts.
                 if s.pdf > 0.0 {
                     let weight = s.wi.z as f64 / s.pdf as f64;
@@ -324,10 +332,10 @@ fn albedos_by_sampling_are_those_of_the_table() {
         let mixed = ([0.2, 0.0, 0.7], [0.04, 0.9, 0.3]);
         for (kd, ks) in if row % 15 == 0 { vec![alone, mixed] } else { vec![alone] } {
             let rgb = |c: [f32; 3]| Rgb::new(c[0], c[1], c[2]);
-            let lobes = Lobes { kd: rgb(kd), ks: rgb(ks), width: roughness.into() };
+            let params = BrdfParams { kd: rgb(kd), ks: rgb(ks), roughness: roughness.into() };
             let means = |strata| {
                 let wo = viewer(cos, 0.9);
-                model.visit(Albedo { lobes, wo, strata, seed: 100 + row as u64 })
+                model.visit(Albedo { params, wo, strata, seed: 100 + row as u64 })
             };
             // Phong's normals are drawn whoever looks, which costs noise.
             let noisy = |found: &[Mean; 3]| found.iter().any(|m| m.standard_error() > 2.2e-4);

@@ -5,7 +5,7 @@ mod support;
 use burnish::brdf::{Model, Roughness};
 use burnish::progressive::{Params, Strategy, render};
 use burnish::scene::{Camera, Material, Mesh, Scene, SceneBuilder};
-use burnish::trace::Group;
+use burnish::trace::ReuseGroup;
 use glam::{DAffine3, DQuat, DVec3};
 use std::sync::Arc;
 use support::Mean;
@@ -90,9 +90,9 @@ fn a_plane_under_a_sphere_receives_its_form_factor() {
     {
         let mut b = SceneBuilder::new("plane and sphere");
         let floor = b.material(diffuse(0.8));
-        let lamp = b.material(Material::light("lamp", [3.0; 3]).unwrap());
+        let emitter = b.material(Material::light("lamp", [3.0; 3]).unwrap());
         b.cuboid(DVec3::new(-3.0, -3.0, 0.0), DVec3::new(6.0, 6.0, 0.0), floor).unwrap();
-        b.sphere(DVec3::new(aside, 0.0, height), radius, lamp).unwrap();
+        b.sphere(DVec3::new(aside, 0.0, height), radius, emitter).unwrap();
         // Looks at the origin from the side, through a very small window.
         b.camera = Some(camera(DVec3::new(-2.0, -0.4, 0.35), DVec3::ZERO, 1e-4));
         b.screen = [8, 8];
@@ -110,15 +110,17 @@ fn lit_room(lamp_shape: usize) -> Arc<Scene> {
     let wall = Material::reflecting("wall", [0.5, 0.4, 0.3], [0.1; 3], 20.0).unwrap();
     let wall = b.material(wall);
     let metal = b.material(Material::reflecting("metal", [0.0; 3], [0.8; 3], 60.0).unwrap());
-    let lamp = b.material(Material::light("lamp", [2.0, 3.0, 4.0]).unwrap());
+    let emitter = b.material(Material::light("lamp", [2.0, 3.0, 4.0]).unwrap());
     b.cuboid(DVec3::new(-2.0, -2.0, -1.0), DVec3::new(4.0, 4.0, 0.0), wall).unwrap();
     b.cuboid(DVec3::new(-2.0, 2.0, -1.0), DVec3::new(4.0, 0.0, 3.0), wall).unwrap();
     b.sphere(DVec3::new(0.6, 0.5, -0.4), 0.6, metal).unwrap();
     match lamp_shape {
-        0 => b.sphere(DVec3::new(-0.8, 0.3, 0.4), 0.7, lamp).unwrap(),
-        1 => b.cylinder(DVec3::new(-0.9, 0.2, -0.5), DVec3::new(0.2, 0.3, 1.2), 0.4, lamp).unwrap(),
+        0 => b.sphere(DVec3::new(-0.8, 0.3, 0.4), 0.7, emitter).unwrap(),
+        1 => b
+            .cylinder(DVec3::new(-0.9, 0.2, -0.5), DVec3::new(0.2, 0.3, 1.2), 0.4, emitter)
+            .unwrap(),
         // Touches the floor and the wall.
-        2 => b.cuboid(DVec3::new(-1.6, 1.0, -1.0), DVec3::new(0.9, 1.0, 0.9), lamp).unwrap(),
+        2 => b.cuboid(DVec3::new(-1.6, 1.0, -1.0), DVec3::new(0.9, 1.0, 0.9), emitter).unwrap(),
         3 => {
             // One light of two very unequal triangles.
             let v = DVec3::new;
@@ -132,7 +134,7 @@ fn lit_room(lamp_shape: usize) -> Arc<Scene> {
                 triangles: vec![[0, 1, 2], [1, 3, 2]],
                 ..Mesh::default()
             };
-            b.mesh(&mesh, DAffine3::from_quat(DQuat::from_rotation_z(0.2)), lamp)
+            b.mesh(&mesh, DAffine3::from_quat(DQuat::from_rotation_z(0.2)), emitter)
                 .map(|_| ())
                 .unwrap();
         }
@@ -145,17 +147,17 @@ fn lit_room(lamp_shape: usize) -> Arc<Scene> {
                 let p = DVec3::new(part(0.618_034), part(0.754_878), part(0.569_84));
                 let p = p * DVec3::new(3.2, 2.6, 1.8) + DVec3::new(-1.6, -0.9, -0.8);
                 match i % 4 {
-                    0 => b.sphere(p, 0.15, lamp).unwrap(),
-                    1 => b.cuboid(p, DVec3::new(0.2, 0.3, 0.0), lamp).unwrap(),
-                    2 => b.cuboid(p, DVec3::new(0.0, 0.2, 0.2), lamp).unwrap(),
-                    _ => b.cylinder(p, DVec3::new(0.2, 0.0, 0.2), 0.06, lamp).unwrap(),
+                    0 => b.sphere(p, 0.15, emitter).unwrap(),
+                    1 => b.cuboid(p, DVec3::new(0.2, 0.3, 0.0), emitter).unwrap(),
+                    2 => b.cuboid(p, DVec3::new(0.0, 0.2, 0.2), emitter).unwrap(),
+                    _ => b.cylinder(p, DVec3::new(0.2, 0.0, 0.2), 0.06, emitter).unwrap(),
                 }
             }
         }
         6 => {
             // A lamp as large as the floor and close to it.
             let (low, side) = (DVec3::new(-2.0, -2.0, -0.7), DVec3::new(1.5, 4.0, 0.0));
-            b.cuboid(low, side, lamp).unwrap();
+            b.cuboid(low, side, emitter).unwrap();
         }
         _ => {
             // A surface that emits and reflects, beside the environment.
@@ -172,8 +174,8 @@ fn lit_room(lamp_shape: usize) -> Arc<Scene> {
 
 #[test]
 fn light_only_bsdf_only_and_mis_agree() {
-    for lamp in 0..8 {
-        let scene = lit_room(lamp);
+    for emitter in 0..8 {
+        let scene = lit_room(emitter);
         for model in Model::ALL {
             let of = |strategy| {
                 let params = Params { strategy, model, ..Params::new(scene.clone()) };
@@ -183,7 +185,7 @@ fn light_only_bsdf_only_and_mis_agree() {
                 [Strategy::Mis, Strategy::LightOnly, Strategy::BsdfOnly].map(of);
             for (name, other) in [("light only", light), ("BSDF only", bsdf)] {
                 let se = mis.standard_error().hypot(other.standard_error());
-                let (d, case) = (other.mean - mis.mean, format!("lamp {lamp} {model:?} {name}"));
+                let (d, case) = (other.mean - mis.mean, format!("lamp {emitter} {model:?} {name}"));
                 assert!(
                     d.abs() < 4.5 * se && d.abs() < 0.02 * mis.mean,
                     "{case}: {} against {} +- {se}",
@@ -295,7 +297,7 @@ fn a_room_that_gains_light_ends_and_stays_finite() {
             let short = of(Some(4), None);
             assert_eq!(short.counts.nonfinite, 0, "{case}");
             assert!(mean(&short) > least, "{case}: {}, a white room has 5", mean(&short));
-            for group in [Group::None, Group::Sixteen, Group::OneTwentyEight] {
+            for group in [ReuseGroup::None, ReuseGroup::Sixteen, ReuseGroup::OneTwentyEight] {
                 let endless = of(None, Some(group));
                 assert!(endless.counts.rays < 1000 * endless.counts.paths, "{case}");
                 assert!(mean(&endless).is_finite() && mean(&endless) > 10.0, "{case}");
@@ -314,8 +316,8 @@ fn a_room_that_gains_light_ends_and_stays_finite() {
 #[test]
 fn a_light_seen_directly_is_exact() {
     let mut b = SceneBuilder::new("lamp");
-    let lamp = b.material(Material::light("lamp", [1.5, 0.25, 1e6]).unwrap());
-    b.cuboid(DVec3::new(-9.0, 1.0, -9.0), DVec3::new(18.0, 0.0, 18.0), lamp).unwrap();
+    let emitter = b.material(Material::light("lamp", [1.5, 0.25, 1e6]).unwrap());
+    b.cuboid(DVec3::new(-9.0, 1.0, -9.0), DVec3::new(18.0, 0.0, 18.0), emitter).unwrap();
     b.screen = [9, 7];
     for eye in [DVec3::ZERO, DVec3::Y * 2.0] {
         b.camera = Some(camera(eye, DVec3::Y, 0.8));

@@ -1,7 +1,7 @@
 //! A model by pointer.
 
 use super::{
-    Erratum, Evaluation, LobeSample, Lobes, Microfacet, Model, ModelVisitor, Normals, View,
+    Brdf, BrdfParams, Erratum, Evaluation, LobeSample, Microfacet, Model, ModelVisitor, Normals,
 };
 use crate::math::V3;
 
@@ -9,12 +9,12 @@ use crate::math::V3;
 /// [variants](Model::visit_with) at run time matters more than speed.
 #[derive(Clone, Copy, Debug)]
 pub struct Formulas {
-    /// [`Lobes::seen_from`].
-    pub seen_from: fn(&Lobes, V3) -> View,
-    /// [`View::eval`].
-    pub eval: fn(&View, V3) -> Evaluation,
-    /// [`View::sample`].
-    pub sample: fn(&View, f32, [f32; 2]) -> LobeSample,
+    /// [`BrdfParams::at_wo`].
+    pub at_wo: fn(&BrdfParams, V3) -> Brdf,
+    /// [`Brdf::eval`].
+    pub eval: fn(&Brdf, V3) -> Evaluation,
+    /// [`Brdf::sample`].
+    pub sample: fn(&Brdf, f32, [f32; 2]) -> LobeSample,
     /// [`Microfacet::cosine`].
     pub cosine: fn(f32) -> f32,
 }
@@ -27,9 +27,9 @@ impl Formulas {
             type Output = Formulas;
             fn visit<M: Microfacet>(self) -> Formulas {
                 Formulas {
-                    seen_from: |lobes, wo| lobes.seen_from::<M>(wo),
-                    eval: |view, wi| view.eval::<M>(wi),
-                    sample: |view, choice, u| view.sample::<M>(choice, u),
+                    at_wo: |params, wo| params.at_wo::<M>(wo),
+                    eval: |brdf, wi| brdf.eval::<M>(wi),
+                    sample: |brdf, choice, u| brdf.sample::<M>(choice, u),
                     cosine: |cos| M::cosine(cos),
                 }
             }

@@ -2,7 +2,7 @@
 //!
 //! | parameter | range | look |
 //! | --- | --- | --- |
-//! | alpha | 1e-4 to 1 | 0.01 mirror with a soft halo, 0.1 polished metal, 0.3 satin, 0.6 and up matt |
+//! | alpha | 1e-4 to 1 | 0.01 mirror with a soft halo, 0.1 polished metal, 0.3 satin, 0.6 and up diffuse |
 //!
 //! `D = alpha² / (pi cos⁴ (alpha² + tan²)²)`,
 //! `G1 = 2 / (1 + sqrt(1 + alpha² tan²))`: the exact Smith form. (The source report prints a sum
@@ -10,9 +10,9 @@
 //! halos, and equal alpha looks rougher than Beckmann's. One bounce between facets only: the lobe loses
 //! 2.8 % of the light at alpha 0.1 and 62 % at alpha 1.
 
-use super::{Microfacet, Model, Width};
+use super::{Alpha, Microfacet, Model};
 use crate::math::special::{INV_PI, sin_cos_2pi};
-use crate::math::{Lane, V3};
+use crate::math::{Simd, V3};
 
 /// The GGX model.
 #[derive(Clone, Copy, Debug)]
@@ -22,8 +22,8 @@ impl Microfacet for Ggx {
     const MODEL: Model = Model::Ggx;
 
     #[inline(always)]
-    fn d<L: Lane>(width: Width<L>, h: V3<L>) -> L {
-        let a = width.alpha;
+    fn d<L: Simd>(roughness: Alpha<L>, h: V3<L>) -> L {
+        let a = roughness.alpha;
         let across = h.x * h.x + h.y * h.y;
         let z2 = h.z * h.z;
         let t = (across + z2) / (a * a * z2 + across);
@@ -31,8 +31,8 @@ impl Microfacet for Ggx {
     }
 
     #[inline(always)]
-    fn g1_over_cos<L: Lane>(width: Width<L>, w: V3<L>) -> L {
-        let across = width.alpha.sqr() * (w.x * w.x + w.y * w.y);
+    fn g1_over_cos<L: Simd>(roughness: Alpha<L>, w: V3<L>) -> L {
+        let across = roughness.alpha.sqr() * (w.x * w.x + w.y * w.y);
         L::splat(2.0) / (w.z + (w.z * w.z + across).sqrt())
     }
 
@@ -46,25 +46,25 @@ impl Microfacet for Ggx {
     /// (`burnish render --alpha 1 --max-depth 8 --group 64`), 3.4 % take 3.1 % at alpha 0.6, and
     /// rough metal in a closed room has 0.4 to 1 % less for 4 to 10 % more.
     #[inline(always)]
-    fn sample_wm<L: Lane>(width: Width<L>, wo: V3<L>, u: [L; 2]) -> V3<L> {
+    fn sample_wm<L: Simd>(roughness: Alpha<L>, wo: V3<L>, u: [L; 2]) -> V3<L> {
         let one = L::splat(1.0);
-        let v = V3::new(width.alpha * wo.x, width.alpha * wo.y, wo.z).normalize();
+        let v = V3::new(roughness.alpha * wo.x, roughness.alpha * wo.y, wo.z).normalize();
         let (sin_phi, cos_phi) = sin_cos_2pi(u[0]);
         // The cap's point has height z = (1 - u)(1 + v.z) - v.z; the sum z + v.z is the product.
         let sum = (one - u[1]) * (one + v.z);
         let z = sum - v.z;
         let sin = ((one - z) * (one + z)).max(L::splat(0.0)).sqrt();
         let h = V3::new(sin * cos_phi + v.x, sin * sin_phi + v.y, sum);
-        V3::new(width.alpha * h.x, width.alpha * h.y, h.z).normalize()
+        V3::new(roughness.alpha * h.x, roughness.alpha * h.y, h.z).normalize()
     }
 
     #[inline(always)]
-    fn pdf_factor<L: Lane>(width: Width<L>, wo: V3<L>) -> L {
-        Self::g1_over_cos(width, wo) * L::splat(0.25)
+    fn pdf_factor<L: Simd>(roughness: Alpha<L>, wo: V3<L>) -> L {
+        Self::g1_over_cos(roughness, wo) * L::splat(0.25)
     }
 
     #[inline(always)]
-    fn pdf_wi<L: Lane>(factor: L, d: L, _cos_over_dot: L) -> L {
+    fn pdf_wi<L: Simd>(factor: L, d: L, _cos_over_dot: L) -> L {
         factor * d
     }
 }

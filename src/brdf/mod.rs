@@ -11,25 +11,25 @@
 //! cosine, forms `1 - cos²`, or normalises a half vector before its angle is known.
 
 mod beckmann;
-mod distribution;
+mod bsdf;
 pub mod errata;
 mod formulas;
 mod fresnel;
+mod full_ndf;
 mod ggx;
-mod lobes;
 mod phong;
 mod roughness;
 
 pub use beckmann::Beckmann;
-pub use distribution::{Distribution, Invertible, Normals};
+pub use bsdf::{Brdf, BrdfParams, Evaluation, LobeSample, Terms};
 pub use errata::Erratum;
 pub use formulas::Formulas;
+pub use full_ndf::{FullNdf, Invertible, Normals};
 pub use ggx::Ggx;
-pub use lobes::{Evaluation, LobeSample, Lobes, Terms, View};
 pub use phong::Phong;
 pub use roughness::{Roughness, RoughnessError};
 
-use crate::math::{Lane, V3};
+use crate::math::{Simd, V3};
 
 /// Which D and G.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -86,7 +86,7 @@ impl Model {
         visitor: V,
     ) -> V::Output {
         use errata::models::{BeckmannLog10, GgxDAlpha, GgxGSum, PhongExponent};
-        type All<M> = Distribution<M>;
+        type All<M> = FullNdf<M>;
         match (self, normals, erratum) {
             (Model::Beckmann, _, Some(Erratum::BeckmannLog10)) => visitor.visit::<BeckmannLog10>(),
             (Model::Phong, _, Some(Erratum::PhongExponent)) => visitor.visit::<PhongExponent>(),
@@ -127,16 +127,16 @@ pub trait ModelVisitor {
 
 /// The roughness of a lobe, in the two forms that the models use.
 #[derive(Clone, Copy, Debug)]
-pub struct Width<L = f32> {
+pub struct Alpha<L = f32> {
     /// Beckmann's and GGX's alpha.
     pub alpha: L,
     /// Phong's a_p.
     pub exponent: L,
 }
 
-impl From<Roughness> for Width {
-    fn from(r: Roughness) -> Width {
-        Width { alpha: r.alpha() as f32, exponent: r.exponent() as f32 }
+impl From<Roughness> for Alpha {
+    fn from(r: Roughness) -> Alpha {
+        Alpha { alpha: r.alpha() as f32, exponent: r.exponent() as f32 }
     }
 }
 
@@ -149,41 +149,41 @@ pub trait Microfacet: Copy + Send + Sync + 'static {
 
     /// D, the density of microfacet normals per area and solid angle, in 1/sr. The integral of
     /// `D cos` over the hemisphere is 1. Zero for `h.z <= 0`.
-    fn d<L: Lane>(width: Width<L>, h: V3<L>) -> L;
+    fn d<L: Simd>(roughness: Alpha<L>, h: V3<L>) -> L;
 
     /// `G1(w) / w.z`, as the source report has it: finite up to the horizon. The rational forms exceed
     /// `1 / w.z` by up to 6.2e-5 of it just below their joint.
-    fn g1_over_cos<L: Lane>(width: Width<L>, w: V3<L>) -> L;
+    fn g1_over_cos<L: Simd>(roughness: Alpha<L>, w: V3<L>) -> L;
 
     /// A microfacet normal for the viewer `wo` from two uniform numbers: unit, z >= 0.
-    fn sample_wm<L: Lane>(width: Width<L>, wo: V3<L>, u: [L; 2]) -> V3<L>;
+    fn sample_wm<L: Simd>(roughness: Alpha<L>, wo: V3<L>, u: [L; 2]) -> V3<L>;
 
     /// What [`Microfacet::pdf_wi`] needs to know of the viewer.
-    fn pdf_factor<L: Lane>(width: Width<L>, wo: V3<L>) -> L;
+    fn pdf_factor<L: Simd>(roughness: Alpha<L>, wo: V3<L>) -> L;
 
     /// The density in 1/sr of `wi` made by reflecting `wo` at [`Microfacet::sample_wm`]'s normal,
     /// from the viewer's [`Microfacet::pdf_factor`], `d` = D(wm) and `cos_over_dot` =
     /// wm.z / (wo.wm). What falls below the horizon is missing from its integral.
-    fn pdf_wi<L: Lane>(factor: L, d: L, cos_over_dot: L) -> L;
+    fn pdf_wi<L: Simd>(factor: L, d: L, cos_over_dot: L) -> L;
 
     /// The cosine that counts, from the signed one: where it is not above 0 there is no light. The
     /// same for every right model; [an erratum](Erratum::BelowHorizon) takes the absolute value.
     #[inline(always)]
-    fn cosine<L: Lane>(cos: L) -> L {
+    fn cosine<L: Simd>(cos: L) -> L {
         cos
     }
 
     /// The probability of sampling the specular lobe. The same for every right model.
     #[inline(always)]
-    fn p_specular<L: Lane>(lobes: &Lobes<L>, wo: V3<L>) -> L {
-        lobes.p_specular(wo)
+    fn p_specular<L: Simd>(params: &BrdfParams<L>, wo: V3<L>) -> L {
+        params.p_specular(wo)
     }
 }
 
 /// Walter et al. 2007's rational G1 of Beckmann, divided by the cosine. Both Beckmann and Phong
 /// use it, at the same alpha. Where `a = cot / alpha >= 1.6` it is 1.
 #[inline(always)]
-fn rational_g1_over_cos<L: Lane>(alpha: L, w: V3<L>) -> L {
+fn rational_g1_over_cos<L: Simd>(alpha: L, w: V3<L>) -> L {
     let b = alpha * (w.x * w.x + w.y * w.y).sqrt();
     let a = w.z / b;
     let numerator = L::splat(3.535) + L::splat(2.181) * a;
@@ -194,6 +194,6 @@ fn rational_g1_over_cos<L: Lane>(alpha: L, w: V3<L>) -> L {
 
 /// `tan²` of the angle between `h` and z.
 #[inline(always)]
-fn tan2<L: Lane>(h: V3<L>) -> L {
+fn tan2<L: Simd>(h: V3<L>) -> L {
     (h.x * h.x + h.y * h.y) / (h.z * h.z)
 }

@@ -2,7 +2,7 @@
 
 use super::talk::{detail, warning};
 use super::{Failure, scene};
-use burnish::math::lanes::Isa;
+use burnish::math::simd::Isa;
 use burnish::picture::SaveError;
 use burnish::plain;
 use burnish::progressive::{Experiment, Goal, Recipe, Session};

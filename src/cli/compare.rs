@@ -4,7 +4,7 @@ use super::figures::significant;
 use super::outputs::{self, Failures};
 use super::{Failure, print, talk, values};
 use burnish::limits::fits;
-use burnish::measure::difference::{self, Difference};
+use burnish::measure::difference::{self, PictureDifference};
 use burnish::measure::error::{ALL, MEAN_ERROR, Pair, REFERENCE_NOISE, Reference};
 use burnish::measure::flip::{self, Flip};
 use burnish::picture::{Curve, Picture, Tone, read_exr_part, write};
@@ -81,7 +81,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 
 fn false_colours(args: &Args, pair: &Pair) -> Result<(), Failure> {
     if let Some(path) = &args.output {
-        let difference = Difference::new(pair);
+        let difference = PictureDifference::new(pair);
         let scale = args.scale.unwrap_or_else(|| difference.scale());
         save(path, &difference.false_colour(scale))?;
         print(format_args!(

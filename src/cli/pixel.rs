@@ -6,7 +6,7 @@ use super::{Failure, misused, print, scene, values};
 use burnish::brdf::Model;
 use burnish::picture::Curve;
 use burnish::progressive::{Replay, Session};
-use burnish::trace::Group;
+use burnish::trace::ReuseGroup;
 use std::path::PathBuf;
 
 /// Traces one sample of one pixel again, with the neighbours that it shares with, and prints what
@@ -71,7 +71,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         )));
     };
     let sharing = match replay.group {
-        Group::None => "every path for itself".to_owned(),
+        ReuseGroup::None => "every path for itself".to_owned(),
         group => format!("groups of {}, this one of {}", group.paths(), replay.pixels.len()),
     };
     print(format_args!(

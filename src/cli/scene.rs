@@ -1,7 +1,7 @@
 //! The scene that the command line names, read and built.
 
 use super::{Failure, talk};
-use burnish::math::lanes::Isa;
+use burnish::math::simd::Isa;
 use burnish::plain;
 use burnish::scene::builtin::{Example, default_scene};
 use burnish::scene::read::{Disk, ReadOptions, open_with_options};

@@ -3,11 +3,11 @@
 use super::talk::{note, warning};
 use super::{scene, values};
 use burnish::brdf::{Erratum, Model, Normals, Roughness};
-use burnish::math::lanes::Isa;
+use burnish::math::simd::Isa;
 use burnish::picture::{Curve, Tone};
 use burnish::progressive::{Params, Strategy};
 use burnish::scene::{Axis, Camera, Crop, Scene};
-use burnish::trace::Group;
+use burnish::trace::ReuseGroup;
 use std::sync::Arc;
 
 // No doc comment: it would become that of the commands.
@@ -75,7 +75,7 @@ pub(super) struct Common {
     no_reuse: bool,
     /// So many neighbours share, instead of as many as a pilot finds best for the scene.
     #[arg(long, value_name = "N", value_parser = values::group(), conflicts_with = "no_reuse")]
-    group: Option<Group>,
+    group: Option<ReuseGroup>,
     /// The same number of samples for every pixel. Otherwise, from pass 16 on, a pass is one sample a
     /// pixel on the mean, and more where the picture is noisier, which is exactly unbiased too.
     #[arg(long)]
@@ -105,7 +105,7 @@ impl Common {
         params.normals = self.normals;
         params.erratum = self.erratum;
         params.reference = self.reference;
-        params.group = if self.no_reuse { Some(Group::None) } else { self.group };
+        params.group = if self.no_reuse { Some(ReuseGroup::None) } else { self.group };
         params.uniform = self.uniform;
         params.camera = self.camera.unwrap_or(params.camera);
         params.camera.crop = self.crop.unwrap_or(Crop::WHOLE);

@@ -1,11 +1,11 @@
 //! From the text of an argument to its value. Errors complete clap's "invalid value" line.
 
 use burnish::brdf::{Erratum, Model, Normals, Roughness};
-use burnish::math::lanes::Isa;
+use burnish::math::simd::Isa;
 use burnish::picture::{Curve, Format, Tone};
 use burnish::progressive::{Params, Strategy};
 use burnish::scene::{Axis, Crop};
-use burnish::trace::Group;
+use burnish::trace::ReuseGroup;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -199,8 +199,8 @@ pub(super) fn isa() -> impl TypedValueParser<Value = Isa> {
 }
 
 /// A number of paths that share.
-pub(super) fn group() -> impl TypedValueParser<Value = Group> {
-    one_of(Group::ALL.into_iter().skip(1), Group::name)
+pub(super) fn group() -> impl TypedValueParser<Value = ReuseGroup> {
+    one_of(ReuseGroup::ALL.into_iter().skip(1), ReuseGroup::name)
 }
 
 /// An erratum by its name.

@@ -20,7 +20,7 @@ pub use interval::{CONFIDENCE, Interval, normal_score, ratio, student, tail};
 pub use state::{FilmError, FilmState};
 
 use crate::math::Rgb;
-use crate::math::sequence::REPLICATES;
+use crate::math::sobol::REPLICATES;
 use sums::Sums;
 
 /// Side in pixels of the cells of a film, each of which has numbers of samples of its own.

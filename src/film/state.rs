@@ -2,7 +2,7 @@
 
 use super::sums::Exact;
 use super::{CELL, Film, Planned, Sums};
-use crate::math::sequence::REPLICATES;
+use crate::math::sobol::REPLICATES;
 use thiserror::Error;
 
 /// All that a film is.

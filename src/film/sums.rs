@@ -6,7 +6,7 @@
 //!
 //! **Error.** A sample is off by at most half a quantum, and so is a mean. The quantum is 2^-48 of
 //! the brightest emission of the scene, rounded up to a power of two, but at most 2^-44 W/(m² sr): a small
-//! lamp that is brighter by far than what it shines on is no measure of the picture. Only for emissions
+//! emitter that is brighter by far than what it shines on is no measure of the picture. Only for emissions
 //! beyond 2^47 it is 2^-92 of these, the least for which 128 bits do. For a pixel of one
 //! millionth of such a bound that is some 1e-8 of its radiance, less than the rounding of the mean to single
 //! precision. Beyond that nothing is lost, where sums in double precision lose some 2^-53 of
@@ -16,7 +16,7 @@
 //! sums of a tile in which one outgrows them go on with 128 bits, enough for 2^32 samples of 2^94
 //! quanta, 4 times the brightest emission or more; a sample beyond that counts as so much.
 
-use crate::math::sequence::REPLICATES;
+use crate::math::sobol::REPLICATES;
 
 /// Of each replicate and channel.
 pub(super) type Exact = [[i128; 3]; REPLICATES];
@@ -182,7 +182,7 @@ mod tests {
             (0.99, -48),
             (1.5, 1 - 48),
             (7.9, 3 - 48),
-            // A tiny lamp is brighter than what it shines on.
+            // A tiny emitter is brighter than what it shines on.
             (16.0, -44),
             (1e12, -44),
             (1e18, 60 - 92),

@@ -1,12 +1,12 @@
 //! The exact cylinder with flat caps.
 
 use super::SurfacePoint;
-use super::offset::ROUNDING;
+use super::ray_origin::UNIT_ROUNDOFF;
 use crate::math::{Frame, V3};
 
 /// A solid cylinder: base point, unit axis, height, radius.
 ///
-/// It is met as the convex body that it is, the common part of an endless cylinder and a slab, so
+/// It is hit as the convex body that it is, the common part of an endless cylinder and a slab, so
 /// that no ray slips through the seam between side and cap.
 #[derive(Clone, Copy, Debug)]
 pub struct Cylinder {
@@ -75,7 +75,7 @@ impl Cylinder {
         let mut q = self.frame.to_local(p - self.base);
         let across = (q.x * q.x + q.y * q.y).sqrt();
         let size = self.radius + self.radius + self.height;
-        let error = (self.base.abs() + V3::splat(size)) * (12.0 * ROUNDING);
+        let error = (self.base.abs() + V3::splat(size)) * (12.0 * UNIT_ROUNDOFF);
         // A point that rounding has put past the seam lies outside the other part, and what leaves
         // it would leave the cylinder: so none is closer to the seam than that.
         let seam = (error.max_component() * 2.0).min(self.radius.min(self.height) * 0.5);
@@ -120,8 +120,8 @@ impl Cylinder {
     /// Lowest and highest corner.
     pub fn bounds(&self) -> [V3; 2] {
         let n = self.axis();
-        let extent = |c: f32| (1.0 - c * c).max(0.0).sqrt() * self.radius;
-        let e = V3::new(extent(n.x), extent(n.y), extent(n.z));
+        let aabb = |c: f32| (1.0 - c * c).max(0.0).sqrt() * self.radius;
+        let e = V3::new(aabb(n.x), aabb(n.y), aabb(n.z));
         let top = self.base + n * self.height;
         let (a, b) = (self.base, top);
         let low = V3::new(a.x.min(b.x), a.y.min(b.y), a.z.min(b.z)) - e;

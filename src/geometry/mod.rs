@@ -6,49 +6,36 @@
 //! ray slips between them; of hits at the same distance the lowest primitive index wins. Surfaces
 //! that share an area have a rule of their own: the emitter is in front, else the first.
 
-mod bvh;
-mod clusters;
+mod aabb;
+mod accel;
 mod coincident;
 mod cylinder;
-mod extent;
-mod offset;
-mod pages;
-mod pairing;
-mod parts;
-mod plates;
-mod quadrics;
+mod huge_pages;
+mod ray_origin;
 mod shading;
-mod shaft;
 mod sphere;
-mod stream;
-mod traverse;
-mod treelets;
 mod triangle;
-mod widen;
 
-pub use bvh::Bvh;
+pub(crate) use aabb::{Aabb, PacketSlabs};
+pub use accel::{Bvh, Query, Ray, Stack};
+pub(crate) use accel::{MAX_QUADS, NO_QUAD, QuadHits, Rays, Shaft, ShaftLeaves};
 pub use cylinder::Cylinder;
-pub(crate) use extent::{Extent, Passing};
-pub use offset::offset_origin;
-pub(crate) use plates::{MOST_PLATES, NO_PLATE, PlateHits};
+pub use ray_origin::offset_origin;
 pub(crate) use shading::bent;
-pub(crate) use shaft::{Leaves, Rays, Shaft};
 pub use sphere::Sphere;
 pub(crate) use sphere::intersect as intersect_spheres;
-pub use stream::Query;
-pub use traverse::{Ray, Stack};
 pub(crate) use triangle::{flat_surface, resolve, shading_normal};
 
 use crate::math::V3;
 use bytemuck::{Pod, Zeroable};
-use pages::Pages;
+use huge_pages::HugePages;
 use std::ops::Range;
 
 /// All shapes of a scene. Primitives are numbered triangles first, then spheres, then cylinders.
 #[derive(Debug, Default)]
 pub struct Geometry {
-    vertices: Pages<Vertex>,
-    faces: Pages<Face>,
+    vertices: HugePages<Vertex>,
+    faces: HugePages<Face>,
     /// Exact spheres.
     pub spheres: Vec<Sphere>,
     /// Exact capped cylinders.
@@ -111,7 +98,7 @@ pub enum Kind {
     Cylinder(usize),
 }
 
-/// Where a ray met a surface.
+/// Where a ray hit a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Hit {
     /// Distance in units of the ray's direction.
@@ -145,8 +132,8 @@ impl Geometry {
         materials: Vec<u32>,
     ) -> Geometry {
         let mut geometry = Geometry {
-            vertices: Pages::zeroed(vertices.len()),
-            faces: Pages::zeroed(faces.len()),
+            vertices: HugePages::zeroed(vertices.len()),
+            faces: HugePages::zeroed(faces.len()),
             spheres,
             cylinders,
             materials,
@@ -202,7 +189,7 @@ impl Geometry {
     }
     /// Lowest and highest corner of a primitive, in local units.
     pub fn bounds(&self, primitive: u32) -> [V3; 2] {
-        bvh::primitive_bounds(self, primitive)
+        accel::primitive_bounds(self, primitive)
     }
     /// The corners of a triangle.
     #[inline(always)]

@@ -35,7 +35,7 @@
 
 use super::SurfacePoint;
 use crate::math::V3;
-use crate::math::lanes::{Lane, Mask};
+use crate::math::simd::{Mask, Simd};
 
 /// A mirror's direction is kept this high above the surface, or at this part of the viewer's height.
 const HEIGHT: f32 = 0.01;
@@ -43,7 +43,7 @@ const PART: f32 = 0.9;
 /// Keeps a division finite where the surface is seen exactly edge on.
 const TINY: f32 = 1e-12;
 
-impl<L: Lane> SurfacePoint<L> {
+impl<L: Simd> SurfacePoint<L> {
     /// With both normals turned to the side that `wo` is on.
     #[inline(always)]
     pub(crate) fn turned_to(mut self, wo: V3<L>) -> SurfacePoint<L> {
@@ -64,7 +64,7 @@ impl<L: Lane> SurfacePoint<L> {
 /// The shading normal `ns` bent for a viewer in the unit direction `wo`, and where it is bent. Both
 /// normals are on one side, and `wo` on that of `ng`.
 #[inline(always)]
-pub(crate) fn bent<L: Lane>(ng: V3<L>, ns: V3<L>, wo: V3<L>) -> (V3<L>, L::Mask) {
+pub(crate) fn bent<L: Simd>(ng: V3<L>, ns: V3<L>, wo: V3<L>) -> (V3<L>, L::Mask) {
     let (zero, one, two) = (L::splat(0.0), L::splat(1.0), L::splat(2.0));
     let (c, s, cos) = (ng.dot(wo), ns.dot(wo).max(zero), ns.dot(ng));
     let least = c + (L::splat(PART) * c).min(L::splat(HEIGHT));

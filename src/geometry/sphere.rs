@@ -1,8 +1,8 @@
 //! The exact sphere.
 
 use super::SurfacePoint;
-use super::offset::ROUNDING;
-use crate::math::{Lane, Mask, V3};
+use super::ray_origin::UNIT_ROUNDOFF;
+use crate::math::{Mask, Simd, V3};
 
 /// Centre and radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,7 +27,7 @@ impl Sphere {
     pub fn surface(&self, p: V3) -> SurfacePoint {
         let n = (p - self.centre).normalize();
         let p = self.centre + n * self.radius;
-        let error = (self.centre.abs() + V3::splat(self.radius)) * (8.0 * ROUNDING);
+        let error = (self.centre.abs() + V3::splat(self.radius)) * (8.0 * UNIT_ROUNDOFF);
         SurfacePoint { p, ng: n, ns: n, error }
     }
 
@@ -45,7 +45,7 @@ impl Sphere {
 /// cancels for small or distant spheres (Haines, Günther and Akenine-Möller, "Precision
 /// improvements for ray/sphere intersection", Ray Tracing Gems 2019, ch. 7).
 #[inline(always)]
-pub(crate) fn intersect<L: Lane>(centre: V3<L>, radius: L, o: V3<L>, d: V3<L>) -> [L; 2] {
+pub(crate) fn intersect<L: Simd>(centre: V3<L>, radius: L, o: V3<L>, d: V3<L>) -> [L; 2] {
     let zero = L::splat(0.0);
     let none = L::splat(f32::INFINITY);
     let f = o - centre;

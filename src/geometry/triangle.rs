@@ -1,9 +1,9 @@
 //! Triangles: eight at once against one ray, and the surface at a hit.
 
-use super::offset::ROUNDING;
+use super::ray_origin::UNIT_ROUNDOFF;
 use super::{Geometry, SurfacePoint};
-use crate::math::lanes::{Packet, Wide};
-use crate::math::{Lane, Mask, V3};
+use crate::math::simd::{Simd8, SimdWide};
+use crate::math::{Mask, Simd, V3};
 use bytemuck::{Pod, Zeroable};
 
 /// Hits nearer than this, in units of the scene along the ray's fastest axis, have their distance
@@ -13,15 +13,15 @@ const NEAR: f32 = 1.0 / 256.0;
 /// Eight triangles by component: `v[vertex][axis][lane]`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
-pub(super) struct Pack {
+pub(super) struct TrianglePack8 {
     pub v: [[[f32; 8]; 3]; 3],
     pub id: [u32; 8],
 }
 
-impl Pack {
-    /// One to eight triangles. Lanes to spare hold no numbers and are never met.
-    pub(super) fn of(geometry: &Geometry, ids: &[u32]) -> Pack {
-        let mut pack = Pack { v: [[[f32::NAN; 8]; 3]; 3], id: [u32::MAX; 8] };
+impl TrianglePack8 {
+    /// One to eight triangles. Lanes to spare hold no numbers and are never hit.
+    pub(super) fn of(geometry: &Geometry, ids: &[u32]) -> TrianglePack8 {
+        let mut pack = TrianglePack8 { v: [[[f32::NAN; 8]; 3]; 3], id: [u32::MAX; 8] };
         for (lane, &id) in ids.iter().enumerate().take(8) {
             pack.id[lane] = id;
             for (rows, p) in pack.v.iter_mut().zip(geometry.corners(id as usize)) {
@@ -38,15 +38,15 @@ impl Pack {
 /// and space is sheared so that the ray is that axis (Woop, Benthin and Wald, "Watertight
 /// ray/triangle intersection", JCGT 2:1, 2013).
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Sheared {
+pub(super) struct ShearedRay {
     k: [usize; 3],
     o: [f32; 3],
     s: [f32; 3],
 }
 
-impl Sheared {
+impl ShearedRay {
     #[inline(always)]
-    pub(super) fn new(o: V3, d: V3) -> Sheared {
+    pub(super) fn new(o: V3, d: V3) -> ShearedRay {
         let d = [d.x, d.y, d.z];
         let a = d.map(f32::abs);
         // By arithmetic: no one can foretell these branches.
@@ -57,7 +57,7 @@ impl Sheared {
         let (kx, ky) = ([1, 2, 0][kz], [2, 0, 1][kz]);
         let sz = 1.0 / d[kz];
         let o = [o.x, o.y, o.z];
-        Sheared { k: [kx, ky, kz], o: [o[kx], o[ky], o[kz]], s: [d[kx] * sz, d[ky] * sz, sz] }
+        ShearedRay { k: [kx, ky, kz], o: [o[kx], o[ky], o[kz]], s: [d[kx] * sz, d[ky] * sz, sz] }
     }
 }
 
@@ -70,13 +70,17 @@ pub(super) struct PackHits<W> {
     pub b: [W; 2],
 }
 
-/// All of the pack's triangles that the ray meets at `0 < t <= t_max`.
+/// All of the pack's triangles that the ray hits at `0 < t <= t_max`.
 ///
 /// The signs of the three edge functions are exact for the sheared vertices: a difference of two
 /// rounded products has the right sign or is zero, and zeros are decided again in f64, where the
 /// products are exact. Shared vertices shear to the same numbers, so triangles agree about edges.
 #[inline(always)]
-pub(super) fn intersect<W: Wide>(pack: &Pack, ray: &Sheared, t_max: f32) -> Option<PackHits<W>> {
+pub(super) fn intersect<W: Simd8>(
+    pack: &TrianglePack8,
+    ray: &ShearedRay,
+    t_max: f32,
+) -> Option<PackHits<W>> {
     let zero = W::splat(0.0);
     let (ax, ay, az) = shear::<W>(&pack.v[0], ray);
     let (bx, by, bz) = shear::<W>(&pack.v[1], ray);
@@ -112,9 +116,9 @@ pub(super) fn intersect<W: Wide>(pack: &Pack, ray: &Sheared, t_max: f32) -> Opti
 }
 
 /// Eight vertices in the ray's frame. (A function, not a closure: closures cannot be made to inline,
-/// and wide code that is not inlined is not compiled for its instruction set.)
+/// and SIMD code that is not inlined is not compiled for its instruction set.)
 #[inline(always)]
-fn shear<W: Wide>(v: &[[f32; 8]; 3], ray: &Sheared) -> (W, W, W) {
+fn shear<W: Simd8>(v: &[[f32; 8]; 3], ray: &ShearedRay) -> (W, W, W) {
     let [kx, ky, kz] = ray.k;
     let z = W::load(&v[kz]) - W::splat(ray.o[2]);
     let x = (W::load(&v[kx]) - W::splat(ray.o[0])) - W::splat(ray.s[0]) * z;
@@ -125,7 +129,7 @@ fn shear<W: Wide>(v: &[[f32; 8]; 3], ray: &Sheared) -> (W, W, W) {
 /// The edge functions again in f64 for these lanes, kept apart from zero where they are not zero.
 #[cold]
 #[inline(never)]
-fn decide_edges<W: Wide>(
+fn decide_edges<W: Simd8>(
     lanes: u32,
     x: [[f32; 8]; 3],
     y: [[f32; 8]; 3],
@@ -149,14 +153,14 @@ fn decide_edges<W: Wide>(
 }
 
 /// The distances again in f64 for these lanes, and which are hits then. Of a slender triangle the
-/// weights are differences of nearly equal products, and a ray that leaves it could meet it again.
+/// weights are differences of nearly equal products, and a ray that leaves it could hit it again.
 #[cold]
 #[inline(never)]
 fn decide_distances(
     near: u32,
     ahead: u32,
-    pack: &Pack,
-    ray: &Sheared,
+    pack: &TrianglePack8,
+    ray: &ShearedRay,
     t_max: f32,
     mut t: [f32; 8],
 ) -> (u32, [f32; 8]) {
@@ -171,9 +175,9 @@ fn decide_distances(
     ((0..8).filter(is_hit).fold(0, |mask, i| mask | 1 << i), t)
 }
 
-/// The distance along a ray that meets the plane of these corners, from f64; `None` where it
+/// The distance along a ray that hits the plane of these corners, from f64; `None` where it
 /// overflows.
-fn precise_distance(corners: [[f32; 3]; 3], ray: &Sheared) -> Option<f32> {
+fn precise_distance(corners: [[f32; 3]; 3], ray: &ShearedRay) -> Option<f32> {
     let [kx, ky, kz] = ray.k;
     let [ox, oy, oz] = ray.o.map(f64::from);
     let [sx, sy, sz] = ray.s.map(f64::from);
@@ -188,10 +192,10 @@ fn precise_distance(corners: [[f32; 3]; 3], ray: &Sheared) -> Option<f32> {
     distance.is_finite().then_some(distance as f32)
 }
 
-/// Distances and weights of rays that are known to meet these triangles clear of their edges: the
+/// Distances and weights of rays that are known to hit these triangles clear of their edges: the
 /// very numbers that [`intersect`] gives. Where `wanted` is not set they mean nothing.
 #[inline(always)]
-pub(crate) fn resolve<P: Packet>(
+pub(crate) fn resolve<P: SimdWide>(
     o: V3<P>,
     d: V3<P>,
     corners: [V3<P>; 3],
@@ -224,7 +228,7 @@ pub(crate) fn resolve<P: Packet>(
 
 /// The components in the order of a ray's frame: z along its fastest axis.
 #[inline(always)]
-fn turned<P: Packet>(v: V3<P>, [x_first, y_first]: [P::Mask; 2]) -> [P; 3] {
+fn turned<P: SimdWide>(v: V3<P>, [x_first, y_first]: [P::Mask; 2]) -> [P; 3] {
     [
         P::select(x_first, v.y, P::select(y_first, v.z, v.x)),
         P::select(x_first, v.z, P::select(y_first, v.x, v.y)),
@@ -234,7 +238,7 @@ fn turned<P: Packet>(v: V3<P>, [x_first, y_first]: [P::Mask; 2]) -> [P; 3] {
 
 #[cold]
 #[inline(never)]
-fn resolve_near<P: Packet>(o: V3<P>, d: V3<P>, corners: [V3<P>; 3], lanes: u32, t: P) -> P {
+fn resolve_near<P: SimdWide>(o: V3<P>, d: V3<P>, corners: [V3<P>; 3], lanes: u32, t: P) -> P {
     let (mut rays, mut points, mut distances) = ([[0.0; 16]; 6], [[[0.0; 16]; 3]; 3], [0.0; 16]);
     for (column, x) in rays.iter_mut().zip([o.x, o.y, o.z, d.x, d.y, d.z]) {
         x.store(column);
@@ -247,7 +251,7 @@ fn resolve_near<P: Packet>(o: V3<P>, d: V3<P>, corners: [V3<P>; 3], lanes: u32, 
     t.store(&mut distances);
     for lane in (0..P::WIDTH).filter(|lane| lanes >> lane & 1 != 0) {
         let [ox, oy, oz, dx, dy, dz] = rays.map(|column| column[lane]);
-        let ray = Sheared::new(V3::new(ox, oy, oz), V3::new(dx, dy, dz));
+        let ray = ShearedRay::new(V3::new(ox, oy, oz), V3::new(dx, dy, dz));
         let corners = points.map(|columns| columns.map(|column| column[lane]));
         distances[lane] = precise_distance(corners, &ray).unwrap_or(distances[lane]);
     }
@@ -269,14 +273,14 @@ pub(super) fn surface(geometry: &Geometry, triangle: usize, b: [f32; 2]) -> Surf
 
 /// The surface of triangles with these corners, without regard to normals of the corners.
 #[inline(always)]
-pub(crate) fn flat_surface<L: Lane>([v0, v1, v2]: [V3<L>; 3], [b1, b2]: [L; 2]) -> SurfacePoint<L> {
+pub(crate) fn flat_surface<L: Simd>([v0, v1, v2]: [V3<L>; 3], [b1, b2]: [L; 2]) -> SurfacePoint<L> {
     let b0 = L::splat(1.0) - b1 - b2;
     let p = v0 * b0 + v1 * b1 + v2 * b2;
     let size = v0.abs().max_component().max(v1.abs().max_component()).max(v2.abs().max_component());
-    // Rebuilding the point costs 4 roundings of the largest corner, meeting the plane again from
+    // Rebuilding the point costs 4 unit roundoffs of the largest corner, hitting the plane again from
     // anywhere off it about 10 more. The test shears space, so that a rounding along one axis shows
-    // along the others too: even a floor at height 0 exactly is met again at a height that is not.
-    let error = V3::splat(size * L::splat(16.0 * ROUNDING));
+    // along the others too: even a floor at height 0 exactly is hit again at a height that is not.
+    let error = V3::splat(size * L::splat(16.0 * UNIT_ROUNDOFF));
     // A point that rounding has put past an edge may lie behind the neighbouring face. A step of
     // the error's size towards the middle brings it back.
     let inwards = (v0 + v1 + v2) * L::splat(1.0 / 3.0) - p;
@@ -289,7 +293,7 @@ pub(crate) fn flat_surface<L: Lane>([v0, v1, v2]: [V3<L>; 3], [b1, b2]: [L; 2]) 
 
 /// The normals of the corners blended; `ng` where they cancel.
 #[inline(always)]
-pub(crate) fn shading_normal<L: Lane>(ng: V3<L>, n: [V3<L>; 3], [b1, b2]: [L; 2]) -> V3<L> {
+pub(crate) fn shading_normal<L: Simd>(ng: V3<L>, n: [V3<L>; 3], [b1, b2]: [L; 2]) -> V3<L> {
     let b0 = L::splat(1.0) - b1 - b2;
     let sum = n[0] * b0 + n[1] * b1 + n[2] * b2;
     let length2 = sum.length2();

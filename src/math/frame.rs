@@ -1,6 +1,6 @@
 //! Orthonormal frames.
 
-use super::lanes::Lane;
+use super::simd::Simd;
 use super::vec::V3;
 
 /// Right-handed orthonormal axes; `n` is the local z.
@@ -14,7 +14,7 @@ pub struct Frame<L = f32> {
     pub n: V3<L>,
 }
 
-impl<L: Lane> Frame<L> {
+impl<L: Simd> Frame<L> {
     /// Some frame around the unit vector `n`, without a branch and without a pole (Duff et al.,
     /// "Building an orthonormal basis, revisited", JCGT 6:1, 2017).
     #[inline(always)]
@@ -46,7 +46,7 @@ impl<L: Lane> Frame<L> {
 impl Frame {
     /// The same frame in every lane.
     #[inline(always)]
-    pub fn splat_lanes<L: Lane>(&self) -> Frame<L> {
+    pub fn splat_lanes<L: Simd>(&self) -> Frame<L> {
         Frame { s: self.s.splat_lanes(), t: self.t.splat_lanes(), n: self.n.splat_lanes() }
     }
 }

@@ -1,18 +1,18 @@
-//! Leaf maths: written once over a [lane type](lanes::Lane), of which `f32` is the first.
+//! Leaf maths: written once over a [SIMD type](lanes::Lane), of which `f32` is the first.
 //!
 //! Nothing here knows of scenes, BRDFs or threads; everything is a pure function of its arguments.
 
-pub(crate) mod columns;
 pub mod frame;
-pub mod lanes;
+pub(crate) mod gather_table;
 #[cfg(test)]
 pub(crate) mod numbers;
-pub mod sequence;
+pub mod simd;
+pub(crate) mod soa;
+pub mod sobol;
 pub mod special;
-pub(crate) mod table;
 pub mod vec;
 pub mod warp;
 
 pub use frame::Frame;
-pub use lanes::{Lane, Mask};
+pub use simd::{Mask, Simd};
 pub use vec::{Rgb, V3};

@@ -7,7 +7,7 @@
 // Coefficients are written as they were fitted; that one is near a constant is no accident.
 #![allow(clippy::excessive_precision, clippy::approx_constant)]
 
-use super::lanes::{Bits, Lane};
+use super::simd::{Bits, Simd};
 
 /// `1 / pi`
 pub const INV_PI: f32 = std::f32::consts::FRAC_1_PI;
@@ -15,7 +15,7 @@ pub const INV_PI: f32 = std::f32::consts::FRAC_1_PI;
 pub const INV_SQRT_PI: f32 = 0.564_189_6;
 
 #[inline(always)]
-fn poly<L: Lane>(x: L, coefficients: &[f32]) -> L {
+fn poly<L: Simd>(x: L, coefficients: &[f32]) -> L {
     let (last, rest) = coefficients.split_last().expect("a polynomial has a coefficient");
     rest.iter().rev().fold(L::splat(*last), |sum, &c| sum.mul_add(x, L::splat(c)))
 }
@@ -25,7 +25,7 @@ const ROUND: f32 = 12_582_912.0;
 
 /// `e^x` for x <= 88.7; 0 below -86.6. Relative error 1.3e-7.
 #[inline(always)]
-pub fn exp<L: Lane>(x: L) -> L {
+pub fn exp<L: Simd>(x: L) -> L {
     let clamped = x.max(L::splat(-86.6)).min(L::splat(88.7));
     let shifted = clamped * L::splat(std::f32::consts::LOG2_E) + L::splat(ROUND);
     let k = shifted - L::splat(ROUND);
@@ -40,7 +40,7 @@ pub fn exp<L: Lane>(x: L) -> L {
 
 /// Natural logarithm of a positive normal number. Relative error 2e-7, also next to 1.
 #[inline(always)]
-pub fn ln<L: Lane>(x: L) -> L {
+pub fn ln<L: Simd>(x: L) -> L {
     // Mantissa within [sqrt 1/2, sqrt 2), so that ln x near 1 keeps its digits.
     let root_half = L::Bits::splat(0x3f35_04f3);
     let bits = x.to_bits() + (L::Bits::splat(0x3f80_0000) - root_half);
@@ -55,7 +55,7 @@ pub fn ln<L: Lane>(x: L) -> L {
 
 /// `ln(1 + x)` for x >= 0, without loss at small x. Relative error 3e-7.
 #[inline(always)]
-pub fn ln_1p<L: Lane>(x: L) -> L {
+pub fn ln_1p<L: Simd>(x: L) -> L {
     let u = x + L::splat(1.0);
     let d = u - L::splat(1.0);
     // The rounding of 1 + x cancels in ln(u) / (u - 1), which is smooth (Kahan).
@@ -64,7 +64,7 @@ pub fn ln_1p<L: Lane>(x: L) -> L {
 
 /// `e^x - 1` for -80 <= x <= 0, without loss at small x. Relative error 3e-7.
 #[inline(always)]
-pub fn exp_m1<L: Lane>(x: L) -> L {
+pub fn exp_m1<L: Simd>(x: L) -> L {
     let one = L::splat(1.0);
     let u = exp(x);
     let d = u - one;
@@ -76,7 +76,7 @@ pub fn exp_m1<L: Lane>(x: L) -> L {
 
 /// Sine and cosine of `2 pi u`, 0 <= u <= 1. Absolute error 1.2e-7.
 #[inline(always)]
-pub fn sin_cos_2pi<L: Lane>(u: L) -> (L, L) {
+pub fn sin_cos_2pi<L: Simd>(u: L) -> (L, L) {
     let quarters = u * L::splat(4.0);
     let shifted = quarters + L::splat(ROUND);
     let x = quarters - (shifted - L::splat(ROUND));
@@ -94,7 +94,7 @@ pub fn sin_cos_2pi<L: Lane>(u: L) -> (L, L) {
 
 /// `atan(y / x)` for x >= 0, from -pi/2 to pi/2; 0 where both are 0. Absolute error 2e-7.
 #[inline(always)]
-pub fn atan_ratio<L: Lane>(y: L, x: L) -> L {
+pub fn atan_ratio<L: Simd>(y: L, x: L) -> L {
     let a = y.abs();
     let steep = a.gt(x);
     let large = L::select(steep, a, x);
@@ -118,7 +118,7 @@ pub fn atan_ratio<L: Lane>(y: L, x: L) -> L {
 
 /// `erfc(x) e^(x²)` for x >= 0. Relative error 5e-7.
 #[inline(always)]
-pub fn erfc_scaled<L: Lane>(x: L) -> L {
+pub fn erfc_scaled<L: Simd>(x: L) -> L {
     let t = L::splat(1.0) / (x * L::splat(0.4) + L::splat(1.0));
     t * poly(
         t - L::splat(0.5),
@@ -138,7 +138,7 @@ pub fn erfc_scaled<L: Lane>(x: L) -> L {
 
 /// Error function. Absolute error 1.5e-7, relative 3e-7.
 #[inline(always)]
-pub fn erf<L: Lane>(x: L) -> L {
+pub fn erf<L: Simd>(x: L) -> L {
     let a = x.abs();
     let z = a * a;
     let near = a * poly(
@@ -160,7 +160,7 @@ pub fn erf<L: Lane>(x: L) -> L {
 /// The x with `erfc(x) = c`, that is `erf(x) = 1 - c`, for 3e-8 <= c <= 2 - 3e-8; outside, the
 /// value at the end. Relative error 1e-6 where |x| > 1e-3.
 #[inline(always)]
-pub fn erfc_inv<L: Lane>(c: L) -> L {
+pub fn erfc_inv<L: Simd>(c: L) -> L {
     let one = L::splat(1.0);
     let c = c.max(L::splat(3e-8)).min(L::splat(2.0 - 1.2e-7));
     let y = one - c;

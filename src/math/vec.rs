@@ -1,6 +1,6 @@
 //! Vectors and colours over lanes.
 
-use super::lanes::Lane;
+use super::simd::Simd;
 use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub};
 
 /// A vector or point of three components.
@@ -14,7 +14,7 @@ pub struct V3<L = f32> {
     pub z: L,
 }
 
-impl<L: Lane> V3<L> {
+impl<L: Simd> V3<L> {
     /// From components.
     #[inline(always)]
     pub fn new(x: L, y: L, z: L) -> Self {
@@ -88,33 +88,33 @@ impl<L: Lane> V3<L> {
 impl V3 {
     /// This vector in every lane.
     #[inline(always)]
-    pub fn splat_lanes<L: Lane>(self) -> V3<L> {
+    pub fn splat_lanes<L: Simd>(self) -> V3<L> {
         V3 { x: L::splat(self.x), y: L::splat(self.y), z: L::splat(self.z) }
     }
 }
 
-impl<L: Lane> Add for V3<L> {
+impl<L: Simd> Add for V3<L> {
     type Output = Self;
     #[inline(always)]
     fn add(self, o: Self) -> Self {
         V3 { x: self.x + o.x, y: self.y + o.y, z: self.z + o.z }
     }
 }
-impl<L: Lane> Sub for V3<L> {
+impl<L: Simd> Sub for V3<L> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, o: Self) -> Self {
         V3 { x: self.x - o.x, y: self.y - o.y, z: self.z - o.z }
     }
 }
-impl<L: Lane> Mul<L> for V3<L> {
+impl<L: Simd> Mul<L> for V3<L> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, s: L) -> Self {
         V3 { x: self.x * s, y: self.y * s, z: self.z * s }
     }
 }
-impl<L: Lane> Neg for V3<L> {
+impl<L: Simd> Neg for V3<L> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -144,7 +144,7 @@ pub struct Rgb<L = f32> {
     pub b: L,
 }
 
-impl<L: Lane> Rgb<L> {
+impl<L: Simd> Rgb<L> {
     /// From components.
     #[inline(always)]
     pub fn new(r: L, g: L, b: L) -> Self {
@@ -177,7 +177,7 @@ impl Rgb {
     pub const BLACK: Rgb = Rgb { r: 0.0, g: 0.0, b: 0.0 };
     /// This colour in every lane.
     #[inline(always)]
-    pub fn splat_lanes<L: Lane>(self) -> Rgb<L> {
+    pub fn splat_lanes<L: Simd>(self) -> Rgb<L> {
         Rgb { r: L::splat(self.r), g: L::splat(self.g), b: L::splat(self.b) }
     }
     /// True when every channel is exactly zero.
@@ -192,34 +192,34 @@ impl Rgb {
     }
 }
 
-impl<L: Lane> Add for Rgb<L> {
+impl<L: Simd> Add for Rgb<L> {
     type Output = Self;
     #[inline(always)]
     fn add(self, o: Self) -> Self {
         Rgb { r: self.r + o.r, g: self.g + o.g, b: self.b + o.b }
     }
 }
-impl<L: Lane> AddAssign for Rgb<L> {
+impl<L: Simd> AddAssign for Rgb<L> {
     #[inline(always)]
     fn add_assign(&mut self, o: Self) {
         *self = *self + o;
     }
 }
-impl<L: Lane> Mul for Rgb<L> {
+impl<L: Simd> Mul for Rgb<L> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, o: Self) -> Self {
         Rgb { r: self.r * o.r, g: self.g * o.g, b: self.b * o.b }
     }
 }
-impl<L: Lane> Mul<L> for Rgb<L> {
+impl<L: Simd> Mul<L> for Rgb<L> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, s: L) -> Self {
         Rgb { r: self.r * s, g: self.g * s, b: self.b * s }
     }
 }
-impl<L: Lane> MulAssign for Rgb<L> {
+impl<L: Simd> MulAssign for Rgb<L> {
     #[inline(always)]
     fn mul_assign(&mut self, o: Self) {
         *self = *self * o;

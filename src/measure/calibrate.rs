@@ -6,7 +6,7 @@
 
 use crate::film::{DEGREES_OF_FREEDOM, ErrorEstimate, REL_MSE_FLOOR, student};
 use crate::math::Rgb;
-use crate::math::sequence::REPLICATES;
+use crate::math::sobol::REPLICATES;
 use crate::progressive::{Options, Params, ParamsError, Session, Snapshot, State, StopRule};
 use crate::trace::Tracer;
 
@@ -226,7 +226,7 @@ impl Renders {
         Ok(Stopped { wanted, kept: kept / n, passes: passes / n })
     }
 
-    /// What knowing the error costs: the true squared relative error of so many passes dealt to
+    /// What knowing the error costs: the true squared relative error of so many passes grouped to
     /// [`REPLICATES`] randomisations over that of as many passes of a single one. Above 1, as a
     /// longer low-discrepancy sequence is more even than its parts apart.
     pub fn cost_of_replicates(&self, passes: u64, seeds: u64) -> f64 {
@@ -235,7 +235,7 @@ impl Renders {
             let params = Params { seed: (2 << 32) + seed, ..self.params.clone() };
             let tracer = params.tracer();
             let of = |pass: fn(u64) -> u64| {
-                let visitor = Picture { tracer: &tracer, size: params.size, passes, pass };
+                let visitor = ScoredPicture { tracer: &tracer, size: params.size, passes, pass };
                 self.rel_mse(&visitor.mean())
             };
             dealt += of(|i| i);
@@ -271,14 +271,14 @@ fn until(
 }
 
 /// A picture of chosen passes, traced here and now.
-struct Picture<'a> {
+struct ScoredPicture<'a> {
     tracer: &'a Tracer,
     size: [u32; 2],
     passes: u64,
     pass: fn(u64) -> u64,
 }
 
-impl Picture<'_> {
+impl ScoredPicture<'_> {
     fn mean(&self) -> Vec<[f32; 3]> {
         let [width, height] = self.size;
         let mut sums = vec![[0.0f64; 3]; width as usize * height as usize];

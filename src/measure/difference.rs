@@ -3,7 +3,7 @@
 use super::error::Pair;
 use crate::picture::{NAN_COLOUR, Picture, Tone};
 
-/// What [`Difference`] shows in each pixel, in plain text: relMSE's root with a sign.
+/// What [`PictureDifference`] shows in each pixel, in plain text: relMSE's root with a sign.
 pub const FORMULA: &str = "mean over channels of (x - r) / sqrt(r^2 + 0.01)";
 
 /// What [`changed`] counts, in plain text.
@@ -28,21 +28,21 @@ pub fn changed(pair: &Pair, tone: Tone, threshold: f64) -> f64 {
 
 /// The signed relative difference of every pixel.
 #[derive(Clone, Debug)]
-pub struct Difference {
+pub struct PictureDifference {
     size: [u32; 2],
     values: Vec<f32>,
 }
 
-impl Difference {
+impl PictureDifference {
     /// Of a picture and its reference.
-    pub fn new(pair: &Pair) -> Difference {
+    pub fn new(pair: &Pair) -> PictureDifference {
         let (picture, reference) = (pair.picture(), &pair.reference().picture);
         let value = |(x, r): (&[f32; 3], &[f32; 3])| {
             let channel = |c: usize| (x[c] - r[c]) / (r[c] * r[c] + 0.01).sqrt();
             (channel(0) + channel(1) + channel(2)) / 3.0
         };
         let values = picture.pixels.iter().zip(&reference.pixels).map(value).collect();
-        Difference { size: [picture.width, picture.height], values }
+        PictureDifference { size: [picture.width, picture.height], values }
     }
 
     /// A scale that shows most of it: 99 % of the pixels differ by no more. 1 where that is 0.

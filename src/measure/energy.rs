@@ -10,8 +10,8 @@
 //! matters: when it exceeds 1 on average over all angles, for then a closed room of it has no finite
 //! answer. Those that exceed 1 at grazing alone share one line, with the one that does so most.
 
-use super::check::quadrature::{Albedo, Effort, albedo, cosine_mean};
-use super::check::reference::Reference;
+use super::check::quadrature::{Albedo, QuadratureGrid, albedo, cosine_mean};
+use super::check::reference::ReferenceBrdf;
 use crate::brdf::{Model, Roughness};
 use crate::scene::{Material, MaterialId};
 use std::collections::HashMap;
@@ -44,8 +44,8 @@ impl LobeEnergy {
     /// By quadrature, in a few milliseconds: means within 5e-5, single angles within 2e-4. The most
     /// reflecting angle may lie between two that are looked at, which hides up to 0.003.
     pub fn of(model: Model, roughness: Roughness) -> LobeEnergy {
-        let lobe = Reference::new(model, roughness);
-        let at = |cos| albedo(&lobe, cos, Effort::QUICK);
+        let lobe = ReferenceBrdf::new(model, roughness);
+        let at = |cos| albedo(&lobe, cos, QuadratureGrid::QUICK);
         // Sharp lobes reflect most within a narrow range at grazing, somewhere.
         let steps = (0..=20).map(|i| Self::GRAZING.powf(f64::from(i) / 20.0));
         let mut angles: Vec<Albedo> = steps.map(at).collect();

@@ -98,16 +98,16 @@ impl Effect {
 }
 
 /// Of a few numbers.
-struct Spread {
+struct EffectSpread {
     mean: f64,
     /// NaN for fewer than two.
     variance: f64,
 }
 
-fn spread(values: impl Iterator<Item = f64> + Clone, n: usize) -> Spread {
+fn spread(values: impl Iterator<Item = f64> + Clone, n: usize) -> EffectSpread {
     let mean = values.clone().sum::<f64>() / n as f64;
     let squares: f64 = values.map(|v| (v - mean).powi(2)).sum();
-    Spread { mean, variance: squares / (n as f64 - 1.0) }
+    EffectSpread { mean, variance: squares / (n as f64 - 1.0) }
 }
 
 #[cfg(test)]

@@ -4,9 +4,9 @@
 //! of microfacet normals are below 0 on the viewer's side and above 0 on the mirror's. Values are
 //! those that the renderer itself computes, in single precision.
 
-use super::check::quadrature::{Effort, albedo};
-use super::check::reference::Reference;
-use crate::brdf::{Lobes, Microfacet, Model, ModelVisitor, Roughness, Terms};
+use super::check::quadrature::{QuadratureGrid, albedo};
+use super::check::reference::ReferenceBrdf;
+use crate::brdf::{BrdfParams, Microfacet, Model, ModelVisitor, Roughness, Terms};
 use crate::math::{Rgb, V3};
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write;
@@ -81,9 +81,9 @@ impl Channel {
         Channel { kd: 0.0, ks: 1.0, roughness }
     }
 
-    fn lobes(&self) -> Lobes {
+    fn params(&self) -> BrdfParams {
         let [kd, ks] = [self.kd, self.ks].map(|c| Rgb::splat(c as f32));
-        Lobes { kd, ks, width: self.roughness.into() }
+        BrdfParams { kd, ks, roughness: self.roughness.into() }
     }
 }
 
@@ -114,47 +114,47 @@ pub fn lobe_curves(quantity: Quantity, channel: Channel, theta_o: f64, n: usize)
     let values = Model::ALL
         .map(|model| angles.iter().map(|&a| value(model, quantity, channel, theta_o, a)).collect());
     let of = |model| {
-        let lobe = Reference::new(model, channel.roughness);
-        albedo(&lobe, theta_o.cos(), Effort::QUICK).of(channel.kd, channel.ks)
+        let lobe = ReferenceBrdf::new(model, channel.roughness);
+        albedo(&lobe, theta_o.cos(), QuadratureGrid::QUICK).of(channel.kd, channel.ks)
     };
     LobeCurves { quantity, channel, theta_o, values, albedo: Model::ALL.map(of), angles }
 }
 
 /// A quantity at one angle in radians, for a viewer at `theta_o`.
 pub fn value(model: Model, quantity: Quantity, channel: Channel, theta_o: f64, angle: f64) -> f64 {
-    let at = Channel::lobes(&channel);
-    model.visit(Value { quantity, lobes: at, wo: towards(-theta_o), w: towards(angle) }).into()
+    let at = Channel::params(&channel);
+    model.visit(LobeValue { quantity, params: at, wo: towards(-theta_o), w: towards(angle) }).into()
 }
 
 /// All factors of the BRDF for a viewer at `theta_o` and a light at `theta_i`, in radians.
 pub fn terms(model: Model, channel: Channel, theta_o: f64, theta_i: f64) -> Terms {
-    struct All(Lobes, [V3; 2]);
+    struct All(BrdfParams, [V3; 2]);
     impl ModelVisitor for All {
         type Output = Terms;
         fn visit<M: Microfacet>(self) -> Terms {
-            let All(lobes, [wo, wi]) = self;
-            lobes.terms::<M>(wo, wi)
+            let All(params, [wo, wi]) = self;
+            params.terms::<M>(wo, wi)
         }
     }
-    model.visit(All(channel.lobes(), [towards(-theta_o), towards(theta_i)]))
+    model.visit(All(channel.params(), [towards(-theta_o), towards(theta_i)]))
 }
 
-struct Value {
+struct LobeValue {
     quantity: Quantity,
-    lobes: Lobes,
+    params: BrdfParams,
     wo: V3,
     w: V3,
 }
 
-impl ModelVisitor for Value {
+impl ModelVisitor for LobeValue {
     type Output = f32;
     fn visit<M: Microfacet>(self) -> f32 {
-        let Value { quantity, lobes, wo, w } = self;
+        let LobeValue { quantity, params, wo, w } = self;
         match quantity {
-            Quantity::D => M::d(lobes.width, w),
-            Quantity::G1 => M::g1_over_cos(lobes.width, w) * w.z,
-            Quantity::F => lobes.eval::<M>(wo, w).f.r,
-            Quantity::FCos => lobes.eval::<M>(wo, w).f.r * w.z,
+            Quantity::D => M::d(params.roughness, w),
+            Quantity::G1 => M::g1_over_cos(params.roughness, w) * w.z,
+            Quantity::F => params.eval::<M>(wo, w).f.r,
+            Quantity::FCos => params.eval::<M>(wo, w).f.r * w.z,
         }
     }
 }
@@ -191,19 +191,19 @@ impl LobeCurves {
     pub const LIMIT: f64 = FRAC_PI_2 * (89.9 / 90.0);
 
     /// The scale that holds all of the curves.
-    pub fn axis(&self, log: bool) -> Axis {
+    pub fn axis(&self, log: bool) -> LobeAxis {
         let all = || self.values.iter().flatten().copied().filter(|v| v.is_finite());
         let most = all().fold(0.0, f64::max);
         if most <= 0.0 {
-            return Axis { low: if log { 0.1 } else { 0.0 }, high: 1.0, log };
+            return LobeAxis { low: if log { 0.1 } else { 0.0 }, high: 1.0, log };
         }
         if !log {
-            return Axis { low: 0.0, high: round_up(1.02 * most), log };
+            return LobeAxis { low: 0.0, high: round_up(1.02 * most), log };
         }
         let high = most.log10().ceil();
         let least = all().filter(|v| *v > 0.0).fold(most, f64::min).log10().floor();
-        let low = least.clamp(high - Axis::DECADES, high - 1.0);
-        Axis { low: 10f64.powf(low), high: 10f64.powf(high), log }
+        let low = least.clamp(high - LobeAxis::DECADES, high - 1.0);
+        LobeAxis { low: 10f64.powf(low), high: 10f64.powf(high), log }
     }
 
     /// A table of them with a head: angles in degrees, values in 1/sr, or without a unit for G1.
@@ -235,7 +235,7 @@ impl LobeCurves {
 
 /// A scale of values, from its low end to its high one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Axis {
+pub struct LobeAxis {
     /// 0, or above 0 where it is logarithmic.
     pub low: f64,
     /// Above `low`.
@@ -244,7 +244,7 @@ pub struct Axis {
     pub log: bool,
 }
 
-impl Axis {
+impl LobeAxis {
     /// At most so many decades are shown.
     const DECADES: f64 = 6.0;
 
@@ -306,7 +306,7 @@ mod tests {
                 for quantity in Quantity::ALL {
                     let curves = lobe_curves(quantity, channel, theta_o, 91);
                     for (model, values) in Model::ALL.iter().zip(&curves.values) {
-                        let lobe = Reference::new(*model, roughness);
+                        let lobe = ReferenceBrdf::new(*model, roughness);
                         let wo = [-theta_o.sin(), 0.0, theta_o.cos()];
                         for (&angle, &found) in curves.angles.iter().zip(values) {
                             let (sin, cos) = angle.sin_cos();
@@ -355,7 +355,7 @@ mod tests {
     /// The renderer's f cos, summed over the hemisphere by a product rule, is the albedo told.
     #[test]
     fn the_albedo_is_the_integral_of_f_cos() {
-        struct Sum(Lobes, V3, V3);
+        struct Sum(BrdfParams, V3, V3);
         impl ModelVisitor for Sum {
             type Output = f32;
             fn visit<M: Microfacet>(self) -> f32 {
@@ -374,7 +374,7 @@ mod tests {
                     for &[v, weight_v] in &points {
                         let (y, x) = (PI * v).sin_cos();
                         let wi = V3::new((sin * x) as f32, (sin * y) as f32, cos as f32);
-                        let found = model.visit(Sum(channel.lobes(), towards(-theta_o), wi));
+                        let found = model.visit(Sum(channel.params(), towards(-theta_o), wi));
                         let solid_angle = FRAC_PI_2 * weight_u * 2.0 * PI * weight_v * sin;
                         sum += f64::from(found) * solid_angle;
                     }
@@ -389,8 +389,8 @@ mod tests {
         let roughness = rough(0.3);
         let curves = lobe_curves(Quantity::FCos, Channel::white(roughness), 0.5, 91);
         for (model, told) in Model::ALL.into_iter().zip(curves.albedo) {
-            let lobe = Reference::new(model, roughness);
-            let fine = albedo(&lobe, 0.5f64.cos(), Effort::FINE).white;
+            let lobe = ReferenceBrdf::new(model, roughness);
+            let fine = albedo(&lobe, 0.5f64.cos(), QuadratureGrid::FINE).white;
             assert!((told - fine).abs() < 2e-4, "{model:?}: {told}, not {fine}");
         }
     }

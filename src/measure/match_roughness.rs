@@ -6,7 +6,7 @@
 //! shapes.
 
 use super::check::quadrature::gauss;
-use super::check::reference::Reference;
+use super::check::reference::ReferenceBrdf;
 use super::energy::LobeEnergy;
 use crate::brdf::{Model, Roughness};
 
@@ -39,8 +39,8 @@ impl Criterion {
     /// What it measures of a lobe: grows with the roughness (albedo falls).
     pub fn of(self, model: Model, roughness: Roughness) -> f64 {
         match self {
-            Criterion::MeanSlope => mean_slope(&Reference::new(model, roughness)),
-            Criterion::HalfWidth => half_width(&Reference::new(model, roughness)),
+            Criterion::MeanSlope => mean_slope(&ReferenceBrdf::new(model, roughness)),
+            Criterion::HalfWidth => half_width(&ReferenceBrdf::new(model, roughness)),
             Criterion::Albedo => 1.0 - LobeEnergy::of(model, roughness).loss(),
         }
     }
@@ -77,7 +77,7 @@ pub fn match_roughness(from: (Model, Roughness), to: Model, criterion: Criterion
         if exceeds(middle)? { high = middle } else { low = middle }
     }
     let roughness = Roughness::from_alpha((low * high).sqrt().clamp(low, high)).ok()?;
-    let [a, b] = [Reference::new(from.0, from.1), Reference::new(to, roughness)];
+    let [a, b] = [ReferenceBrdf::new(from.0, from.1), ReferenceBrdf::new(to, roughness)];
     let remains = 0.5 * over_slopes(&a, &b, |tan, x, y| (x - y).abs() * slope_area(tan));
     Some(Match { roughness, remains })
 }
@@ -87,12 +87,12 @@ fn slope_area(tan: f64) -> f64 {
     2.0 * std::f64::consts::PI * tan / (1.0 + tan * tan).powi(2)
 }
 
-fn mean_slope(lobe: &Reference) -> f64 {
+fn mean_slope(lobe: &ReferenceBrdf) -> f64 {
     over_slopes(lobe, lobe, |tan, d, _| tan * d * slope_area(tan))
 }
 
 /// The integral over all slopes of a function of the slope and of D of two lobes.
-fn over_slopes(a: &Reference, b: &Reference, f: impl Fn(f64, f64, f64) -> f64) -> f64 {
+fn over_slopes(a: &ReferenceBrdf, b: &ReferenceBrdf, f: impl Fn(f64, f64, f64) -> f64) -> f64 {
     // Panels by factors of 2 from far below either width to far above: what lies outside is below
     // 1e-8 of the area.
     let (low, high) = (1e-5 * a.alpha.min(b.alpha), 1e9);
@@ -111,7 +111,7 @@ fn over_slopes(a: &Reference, b: &Reference, f: impl Fn(f64, f64, f64) -> f64) -
 }
 
 /// In radians.
-fn half_width(lobe: &Reference) -> f64 {
+fn half_width(lobe: &ReferenceBrdf) -> f64 {
     // At the normal; where alpha is near 1 Beckmann's D grows from there before it falls.
     let (mut low, mut high) = (0.0, 0.5 * std::f64::consts::PI);
     let d = |angle: f64| lobe.d(angle.tan().powi(2));

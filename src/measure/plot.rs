@@ -22,13 +22,13 @@ pub struct Panel {
     /// What the thin upright lines are, in two lines of the legend.
     pub upright: [&'static str; 2],
     /// In the order of the legend.
-    pub curves: Vec<Curve>,
+    pub curves: Vec<PlotCurve>,
 }
 
 /// One line with its marks. Colour, mark and dashes each stand for one thing that curves differ in;
 /// the numbers wrap around where there are more than can be told apart.
 #[derive(Clone, Debug)]
-pub struct Curve {
+pub struct PlotCurve {
     /// In the legend.
     pub label: String,
     /// Which of the colours.
@@ -73,7 +73,7 @@ const GREY: RGBColor = RGBColor(185, 185, 185);
 const INK: RGBColor = RGBColor(40, 40, 40);
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Axis, Axis>>;
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<PlotAxis, PlotAxis>>;
 type Drawn = Result<(), String>;
 
 /// The panels, one below the other. Grey lines fall with the root of the cost, as the error of
@@ -102,7 +102,8 @@ fn words(e: impl std::fmt::Display) -> String {
 fn draw_panel(panel: &Panel, root: &Area, area: &Area) -> Drawn {
     let (left, right) = area.split_horizontally(WIDTH - LEGEND);
     let dots = || panel.curves.iter().flat_map(|c| &c.dots).filter(|d| d.is_drawn());
-    let [x, y] = [Axis::over(dots().map(|d| d.x)), Axis::over(dots().flat_map(|d| d.ends()))];
+    let [x, y] =
+        [PlotAxis::over(dots().map(|d| d.x)), PlotAxis::over(dots().flat_map(|d| d.ends()))];
     let [x_logs, y_logs] = [x.logs.clone(), y.logs.clone()];
     let mut chart = ChartBuilder::on(&left)
         .caption(&panel.title, ("sans-serif", 17, &INK))
@@ -145,7 +146,7 @@ fn draw_guides(chart: &mut Chart, x: &Range<f64>, y: &Range<f64>) -> Drawn {
     Ok(())
 }
 
-fn draw_curve(chart: &mut Chart, root: &Area, curve: &Curve) -> Drawn {
+fn draw_curve(chart: &mut Chart, root: &Area, curve: &PlotCurve) -> Drawn {
     let colour = COLOURS[curve.colour % COLOURS.len()];
     let drawn: Vec<&Dot> = curve.dots.iter().filter(|d| d.is_drawn()).collect();
     let line: Vec<_> = drawn.iter().map(|d| (d.x, d.y)).collect();
@@ -234,22 +235,22 @@ impl Dot {
 
 /// A logarithmic axis. Labels stand at 1, 10, 100, at 1, 3, 10 or at 1, 2, 5, 10, as there is room;
 /// faint lines at all multiples of a power of ten.
-struct Axis {
+struct PlotAxis {
     /// Its ends, as decadic logarithms.
     logs: Range<f64>,
 }
 
-impl Axis {
+impl PlotAxis {
     /// From the lowest to the highest, with a margin; never empty.
-    fn over(values: impl Iterator<Item = f64>) -> Axis {
+    fn over(values: impl Iterator<Item = f64>) -> PlotAxis {
         let nothing = f64::INFINITY..f64::NEG_INFINITY;
         let seen =
             values.map(f64::log10).fold(nothing, |range, v| range.start.min(v)..range.end.max(v));
         if seen.start > seen.end {
-            return Axis { logs: -1.0..0.0 };
+            return PlotAxis { logs: -1.0..0.0 };
         }
         let margin = (0.06 * (seen.end - seen.start)).max(0.1);
-        Axis { logs: seen.start - margin..seen.end + margin }
+        PlotAxis { logs: seen.start - margin..seen.end + margin }
     }
 
     /// These multiples of the powers of ten, as far as they are on the axis.
@@ -261,7 +262,7 @@ impl Axis {
     }
 }
 
-impl Ranged for Axis {
+impl Ranged for PlotAxis {
     type FormatOption = NoDefaultFormatting;
     type ValueType = f64;
 
@@ -285,7 +286,7 @@ impl Ranged for Axis {
     }
 }
 
-impl ValueFormatter<f64> for Axis {
+impl ValueFormatter<f64> for PlotAxis {
     fn format(value: &f64) -> String {
         number(*value)
     }
@@ -316,7 +317,7 @@ mod tests {
         let circles = |last_only| {
             let label = "one".to_owned();
             let dots = (1..=300).map(dot).collect();
-            let curve = Curve { label, colour: 0, mark: 0, last_only, dashed: false, dots };
+            let curve = PlotCurve { label, colour: 0, mark: 0, last_only, dashed: false, dots };
             let [title, x, y] = ["title", "seconds", "error in %"].map(str::to_owned);
             let panel = Panel { title, x, y, upright: ["95 %", "limits"], curves: vec![curve] };
             let text = log_log(&[panel]).unwrap();

@@ -1,14 +1,14 @@
 //! Where the engine's time goes: stages by the clock, rays by kind, lanes in use. One thread.
 
 use crate::progressive::Params;
-use crate::trace::{Deal, Effort, Group, Hand, Scratch, Stage, Tracer};
+use crate::trace::{PixelBatch, PixelGrouping, RayCounts, ReuseGroup, Scratch, Stage, Tracer};
 use std::time::{Duration, Instant};
 
 /// What a few passes took.
 #[derive(Clone, Debug)]
 pub struct Profile {
     /// How many paths shared.
-    pub group: Group,
+    pub group: ReuseGroup,
     /// Camera paths.
     pub paths: u64,
     /// All of the time, dealing and adding up included.
@@ -16,7 +16,7 @@ pub struct Profile {
     /// By stage, in the order of [`Stage::ALL`].
     pub stages: [StageCost; Stage::ALL.len()],
     /// Rays and pairs.
-    pub effort: Effort,
+    pub counts: RayCounts,
     /// Paths that a register holds.
     pub width: usize,
 }
@@ -26,7 +26,7 @@ pub struct Profile {
 pub struct StageCost {
     /// Its time.
     pub time: Duration,
-    /// Members of bundles that had part in it.
+    /// Members of batches that had part in it.
     pub members: u64,
     /// Lanes of the registers that they were in.
     pub lanes: u64,
@@ -38,24 +38,24 @@ impl Profile {
         let tracer = params.tracer();
         let group = params.decide_group().ok()?;
         let width = params.scene.bvh().isa().width();
-        let (effort, stages) = (Effort::default(), Default::default());
+        let (counts, stages) = (RayCounts::default(), Default::default());
         let time = Duration::ZERO;
-        let mut profile = Profile { group, paths: 0, time, stages, effort, width };
+        let mut profile = Profile { group, paths: 0, time, stages, counts, width };
         let mut scratch = tracer.scratch();
-        let mut hand = Hand::default();
+        let mut batch = PixelBatch::default();
         let begin = Instant::now();
         for pass in 0..passes {
-            let deal = Deal::new(params.size, params.seed, pass, group);
-            let [columns, rows] = deal.bundles();
+            let grouping = PixelGrouping::new(params.size, params.seed, pass, group);
+            let [columns, rows] = grouping.batches();
             for at in (0..rows).flat_map(|y| (0..columns).map(move |x| [x, y])) {
-                deal.bundle(at, &mut hand);
-                profile.watch(&tracer, &hand, pass, &mut scratch);
-                profile.paths += hand.pixels.len() as u64;
+                grouping.batch(at, &mut batch);
+                profile.watch(&tracer, &batch, pass, &mut scratch);
+                profile.paths += batch.pixels.len() as u64;
             }
         }
         profile.time = begin.elapsed();
-        profile.effort = scratch.effort;
-        (profile.effort.nearest > 0).then_some(profile)
+        profile.counts = scratch.counts;
+        (profile.counts.nearest > 0).then_some(profile)
     }
 
     /// A stage's part of the time.
@@ -65,10 +65,10 @@ impl Profile {
 }
 
 impl Profile {
-    /// Takes note of what a bundle's stages take.
-    fn watch(&mut self, tracer: &Tracer, hand: &Hand, pass: u64, scratch: &mut Scratch) {
+    /// Takes note of what a batch's stages take.
+    fn watch(&mut self, tracer: &Tracer, batch: &PixelBatch, pass: u64, scratch: &mut Scratch) {
         let mut last = Instant::now();
-        tracer.watch_hand(hand, pass, scratch, &mut |stage, members| {
+        tracer.watch_batch(batch, pass, scratch, &mut |stage, members| {
             let now = Instant::now();
             let cost = &mut self.stages[stage as usize];
             cost.time += now - last;

@@ -2,8 +2,8 @@
 
 use super::speed::Spread;
 use crate::geometry::{Geometry, Hit, Kind, Query, Ray, SurfacePoint, offset_origin};
-use crate::math::lanes::U32;
-use crate::math::sequence::{Slot, Stream, mix, pair};
+use crate::math::simd::U32;
+use crate::math::sobol::{Slot, Stream, mix, pair};
 use crate::math::{Frame, V3, warp};
 use crate::scene::{CameraRays, Scene};
 use std::time::Instant;
@@ -214,9 +214,9 @@ mod tests {
     fn ball_and_lamp() -> Scene {
         let mut builder = SceneBuilder::new("a ball and a lamp");
         let grey = builder.material(Material::reflecting("", [0.5; 3], [0.0; 3], 1.0).unwrap());
-        let lamp = builder.material(Material::light("", [1.0; 3]).unwrap());
+        let emitter = builder.material(Material::light("", [1.0; 3]).unwrap());
         builder.sphere(DVec3::ZERO, 1.0, grey).unwrap();
-        builder.sphere(DVec3::new(0.0, 0.0, 3.0), 0.5, lamp).unwrap();
+        builder.sphere(DVec3::new(0.0, 0.0, 3.0), 0.5, emitter).unwrap();
         builder.build()
     }
 
@@ -238,7 +238,7 @@ mod tests {
         let bench = RayBench { rays: 500, size: [40, 30], repeats: 1, seed: 2 };
         let rays = bench.queries(&scene, RayKind::Shadow);
         assert!(!rays.is_empty() && rays.iter().all(|q| q.t_max == 0.999));
-        // The upper half of a ball sees a small lamp above it; nothing else is in the way.
+        // The upper half of a ball sees a small emitter above it; nothing else is in the way.
         let (geometry, mut stack) = (scene.geometry(), scene.bvh().stack());
         let free = |q: &&Query| !scene.bvh().occluded(geometry, &q.ray, 0.5, &mut stack);
         assert!(rays.iter().filter(free).count() > rays.len() / 4);

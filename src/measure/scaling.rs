@@ -1,13 +1,13 @@
 //! How the time of a path grows with triangles, lights, pixels and threads, in scenes made for it.
 //!
-//! A ball with hills stands in a closed room under lamps, all diffuse, so that every path goes on
+//! A ball with hills stands in a closed room under emitters, all diffuse, so that every path goes on
 //! and meets the ball now and then. Seconds are those of tracing alone.
 
 use super::speed::{Fit, Spread};
 use crate::geometry::Bvh;
 use crate::progressive::{Params, ParamsError, render};
 use crate::scene::{Camera, Material, MaterialError, Mesh, Scene, SceneBuilder, ShapeError};
-use crate::trace::Group;
+use crate::trace::ReuseGroup;
 use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -41,7 +41,7 @@ pub struct Row {
 /// What it costs to hold a scene.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneCost {
-    /// Triangles in it, those of lamps and walls too.
+    /// Triangles in it, those of emitters and walls too.
     pub triangles: usize,
     /// Seconds from shapes in memory to a scene that can be rendered.
     pub build: f64,
@@ -192,7 +192,7 @@ impl<'a> Job<'a> {
     fn nanoseconds(&self, plan: &Scaling, passes: u64, repeat: u32) -> Result<f64, ParamsError> {
         let seed = plan.seed.wrapping_add(repeat.into());
         // What a path costs by itself; sharing adds what its pilot decides.
-        let group = Some(Group::None);
+        let group = Some(ReuseGroup::None);
         let params = Params { size: self.size, seed, group, ..Params::new(self.scene.clone()) };
         let snapshot = render(params, passes, self.threads.unwrap_or(plan.threads))?;
         Ok(1e9 * snapshot.seconds / (self.pixels() * passes as f64))
@@ -205,9 +205,9 @@ fn decades(first: u32, last: u32) -> Vec<u32> {
     std::iter::successors(Some(first), times_ten).take_while(|&n| n <= last.max(first)).collect()
 }
 
-/// A ball of about so many triangles in a room with so many lamps.
-fn build(triangles: u32, lamps: u32) -> Result<(Arc<Scene>, SceneCost), ScalingError> {
-    let builder = room(triangles, lamps)?;
+/// A ball of about so many triangles in a room with so many emitters.
+fn build(triangles: u32, emitters: u32) -> Result<(Arc<Scene>, SceneCost), ScalingError> {
+    let builder = room(triangles, emitters)?;
     let start = Instant::now();
     let scene = builder.build();
     let build = start.elapsed().as_secs_f64();
@@ -219,19 +219,19 @@ fn build(triangles: u32, lamps: u32) -> Result<(Arc<Scene>, SceneCost), ScalingE
     Ok((Arc::new(scene), SceneCost { triangles, build, tree, bytes }))
 }
 
-fn room(triangles: u32, lamps: u32) -> Result<SceneBuilder, ScalingError> {
+fn room(triangles: u32, emitters: u32) -> Result<SceneBuilder, ScalingError> {
     let mut builder = SceneBuilder::new("a ball with hills in a room");
     let grey = builder.material(Material::reflecting("grey", [0.6; 3], [0.0; 3], 1.0)?);
-    // However many lamps there are, they give the same light.
-    let lamp = builder.material(Material::light("lamp", [20.0; 3])?);
+    // However many emitters there are, they give the same light.
+    let emitter = builder.material(Material::light("lamp", [20.0; 3])?);
     builder.cuboid(DVec3::splat(-1.0), DVec3::splat(2.0), grey)?;
     let place = DAffine3::IDENTITY;
     builder.mesh(&ball(((triangles as f64 / 12.0).sqrt().round() as u32).max(1)), place, grey)?;
-    let side = (lamps as f64).sqrt().ceil() as u32;
-    for n in 0..lamps {
+    let side = (emitters as f64).sqrt().ceil() as u32;
+    for n in 0..emitters {
         let at = |i: u32| 0.5 * ((2 * i + 1) as f64 / side as f64 - 1.0);
         let centre = DVec3::new(at(n % side), at(n / side), 0.99);
-        builder.mesh(&lamp_of(centre, 0.2 / (lamps as f64).sqrt()), place, lamp)?;
+        builder.mesh(&lamp_of(centre, 0.2 / (emitters as f64).sqrt()), place, emitter)?;
     }
     builder.camera = Camera::look_at(DVec3::new(0.1, -0.95, 0.3), DVec3::ZERO, 0.8).ok();
     Ok(builder)

@@ -95,11 +95,11 @@ impl Curve {
         }
     }
 
-    fn table(self) -> &'static Table {
-        static TABLES: [LazyLock<Table>; 3] = [
-            LazyLock::new(|| Table::new(Curve::Srgb)),
-            LazyLock::new(|| Table::new(Curve::Reinhard)),
-            LazyLock::new(|| Table::new(Curve::Filmic)),
+    fn table(self) -> &'static ToneTable {
+        static TABLES: [LazyLock<ToneTable>; 3] = [
+            LazyLock::new(|| ToneTable::new(Curve::Srgb)),
+            LazyLock::new(|| ToneTable::new(Curve::Reinhard)),
+            LazyLock::new(|| ToneTable::new(Curve::Filmic)),
         ];
         match self {
             Curve::Srgb | Curve::Neutral => &TABLES[0],
@@ -221,7 +221,7 @@ fn signal(curve: Curve, exposed: f32) -> f64 {
 ///
 /// A cell holds that code times `STEP`, plus as much as makes the low bits of a float at or above
 /// the next threshold carry: one addition gives the code.
-struct Table([u32; CELLS]);
+struct ToneTable([u32; CELLS]);
 
 /// Low mantissa bits that do not choose the cell.
 const SHIFT: u32 = 15;
@@ -232,8 +232,8 @@ const CELLS: usize = 1 << 13;
 const LOWEST: u32 = (127 - 16) << 23;
 const HIGHEST: u32 = LOWEST + CELLS as u32 * STEP - 1;
 
-impl Table {
-    fn new(curve: Curve) -> Table {
+impl ToneTable {
+    fn new(curve: Curve) -> ToneTable {
         let mut cells = [0; CELLS];
         let mut below = 0;
         let mut next = first_above(curve, below);
@@ -245,7 +245,7 @@ impl Table {
             }
             *entry = u32::from(below) * STEP + STEP.saturating_sub(next - start);
         }
-        Table(cells)
+        ToneTable(cells)
     }
 
     #[inline(always)]

@@ -10,14 +10,14 @@ use super::turn::Turn;
 use super::work::{Store, Work, Workers};
 use super::{Counts, Experiment, Params, State};
 use crate::film::Film;
-use crate::trace::Group;
+use crate::trace::ReuseGroup;
 use std::mem::take;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// What the first picture begins with.
 pub(super) struct Start {
     films: Vec<Film>,
-    group: Option<Group>,
+    group: Option<ReuseGroup>,
     counts: Counts,
 }
 
@@ -51,7 +51,7 @@ pub(super) struct Driver {
     spare: Vec<Film>,
     at: Progress,
     /// What was last told of the picture that is shown while it was at rest.
-    told: Option<(Progress, State)>,
+    reported: Option<(Progress, State)>,
     /// Parameters that fail or cannot be kept: not to be tried in the background again.
     useless: Vec<Params>,
 }
@@ -67,7 +67,7 @@ impl Driver {
             cache: AccumulatorCache::default(),
             spare: Vec::new(),
             at: Progress::default(),
-            told: None,
+            reported: None,
             useless: Vec::new(),
         }
     }
@@ -83,7 +83,7 @@ impl Driver {
                 Work::Start(turn, params, discard) => self.start(turn, *params, discard),
                 Work::StartBeside(turn, params) => self.start_beside(turn, params.map(|p| *p)),
                 Work::Shown(turn, until) => {
-                    self.told = None;
+                    self.reported = None;
                     let Some(mut shown) = self.shown.take() else { continue };
                     shown.epoch.turn = turn;
                     self.at.failed = !self.run(&mut shown, until);
@@ -104,13 +104,13 @@ impl Driver {
 
     /// What to do now, and tells that nothing is if so.
     fn next(&mut self) -> Work {
-        let Driver { workers, shown, beside, cache, at, told, useless, .. } = self;
+        let Driver { workers, shown, beside, cache, at, reported, useless, .. } = self;
         let idle = |state: State| {
             let news = Some((*at, state.clone()));
-            if *told == news {
+            if *reported == news {
                 return;
             }
-            *told = news;
+            *reported = news;
             // Both are as far as they get.
             for accumulator in [&*shown, &*beside].into_iter().flatten() {
                 workers.send(&accumulator.epoch, state.clone(), accumulator.passes());
@@ -145,7 +145,7 @@ impl Driver {
             self.workers.send(&shown.epoch, State::Running, self.at.passes);
         }
         self.shown = Some(shown);
-        self.told = None;
+        self.reported = None;
     }
 
     /// Has a picture of these parameters beside it.

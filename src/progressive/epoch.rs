@@ -1,13 +1,15 @@
 //! One epoch: what the workers share while the parameters stay the same, and what they show.
 
-use super::canvas::Canvas;
 use super::plan::{self, Plan};
+use super::sample_buffer::SampleBuffer;
 use super::turn::Turn;
-use super::{Counts, Params, Snapshot, State, TileGrid, TileImage, pilot};
+use super::{Counts, Params, Snapshot, State, TileGrid, TileImage, choose_group};
 use crate::film::{ErrorSums, Film};
 use crate::math::Rgb;
-use crate::math::sequence::REPLICATES;
-use crate::trace::{Deal, Group, Hand, Round, Scratch, Tracer, deal_cell};
+use crate::math::sobol::REPLICATES;
+use crate::trace::{
+    BatchOptions, PixelBatch, PixelGrouping, ReuseGroup, Scratch, Tracer, group_cell,
+};
 use std::mem::take;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -22,7 +24,7 @@ pub(super) struct Epoch {
     pub(super) params: Params,
     pub(super) tracer: Tracer,
     /// Once it is decided.
-    pub(super) group: OnceLock<Group>,
+    pub(super) group: OnceLock<ReuseGroup>,
     /// The newest.
     plan: Mutex<Option<Arc<Plan>>>,
     pub(super) grid: TileGrid,
@@ -40,7 +42,7 @@ pub(super) struct Epoch {
 pub(super) struct Own {
     pub(super) scratch: Scratch,
     /// The pixels that it traces.
-    pub(super) hand: Hand,
+    pub(super) batch: PixelBatch,
 }
 
 /// What there is to see of a tile.
@@ -63,9 +65,10 @@ impl Epoch {
         let tracer = params.tracer();
         let mut shown = Vec::new();
         shown.resize_with(grid.len(), Mutex::default);
-        let own = || Own { scratch: tracer.scratch(), hand: Hand::default() };
+        let own = || Own { scratch: tracer.scratch(), batch: PixelBatch::default() };
         let own = (0..threads.max(1)).map(|_| Mutex::new(own())).collect();
-        let group = pilot::without(&params, &tracer).map_or_else(OnceLock::new, OnceLock::from);
+        let group =
+            choose_group::without(&params, &tracer).map_or_else(OnceLock::new, OnceLock::from);
         Epoch {
             turn,
             params,
@@ -90,7 +93,7 @@ impl Epoch {
     /// Makes it ready for a turn by so many workers; all of it is new to whoever looks.
     pub(super) fn wake(&mut self, turn: Turn, threads: usize) {
         self.turn = turn;
-        let own = || Own { scratch: self.tracer.scratch(), hand: Hand::default() };
+        let own = || Own { scratch: self.tracer.scratch(), batch: PixelBatch::default() };
         self.own = (0..threads.max(1)).map(|_| Mutex::new(own())).collect();
         for shown in &mut self.shown {
             let shown = shown.get_mut().unwrap_or_else(PoisonError::into_inner);
@@ -107,18 +110,18 @@ impl Epoch {
         self.shown.iter().map(tile).sum::<usize>() + self.tracer.bytes()
     }
 
-    /// Traces a bundle of a deal.
+    /// Traces a batch of a grouping.
     pub(super) fn trace(
         &self,
-        deal: &Deal,
+        grouping: &PixelGrouping,
         at: [u32; 2],
-        round: Round,
+        round: BatchOptions,
         own: &mut Own,
         put: &mut dyn FnMut([u32; 2], Rgb),
     ) {
-        let Own { scratch, hand } = own;
-        deal.bundle(at, hand);
-        self.tracer.sample_hand(hand, round, scratch, put);
+        let Own { scratch, batch } = own;
+        grouping.batch(at, batch);
+        self.tracer.sample_batch(batch, round, scratch, put);
     }
 
     /// The plan for the passes that come next, made if it is not there: all films then have the passes
@@ -146,14 +149,14 @@ impl Epoch {
 
     /// Traces what a tile is to get in its next pass, and adds it. Returns the number of samples, and
     /// whether the pass is whole: not if half-way the picture was not `wanted` for now, for a noisy
-    /// tile has many bundles. The next call then goes on with what is left.
+    /// tile has many batches. The next call then goes on with what is left.
     pub(super) fn uneven_pass(
         &self,
         index: usize,
         film: &mut Film,
         plan: &Plan,
-        group: Group,
-        Own { scratch, hand }: &mut Own,
+        group: ReuseGroup,
+        Own { scratch, batch }: &mut Own,
         wanted: &dyn Fn() -> bool,
     ) -> (u64, bool) {
         let (rect, pass) = (self.grid.rect(index), film.begin_pass());
@@ -169,13 +172,13 @@ impl Epoch {
                     whole = false;
                     break 'cells;
                 }
-                hand.clear();
+                batch.clear();
                 for replicate in [2 * half, 2 * half + 1] {
                     let own_pass = REPLICATES as u64 * pair + replicate as u64;
-                    deal_cell(area.clone(), self.params.seed, own_pass, group, hand);
+                    group_cell(area.clone(), self.params.seed, own_pass, group, batch);
                 }
                 // The first half of the pixels is of the first replicate.
-                let (mut number, each) = (0, hand.pixels.len() / 2);
+                let (mut number, each) = (0, batch.pixels.len() / 2);
                 let put = &mut |[x, y]: [u32; 2], sample: Rgb| {
                     let replicate = 2 * half + usize::from(number >= each);
                     number += 1;
@@ -185,8 +188,8 @@ impl Epoch {
                         false => nonfinite += 1,
                     }
                 };
-                self.tracer.sample_hand(hand, Round::of(0), scratch, put);
-                paths += hand.pixels.len() as u64;
+                self.tracer.sample_batch(batch, BatchOptions::of(0), scratch, put);
+                paths += batch.pixels.len() as u64;
                 (0..2).for_each(|which| film.count_samples(cell, 2 * half + which));
                 if plan::is_noted(pair + 1) {
                     film.note_spread(cell, half);
@@ -203,13 +206,19 @@ impl Epoch {
 
     /// Adds the samples of those of the canvas's passes that a tile's film does not have: after an
     /// interruption it may have some.
-    pub(super) fn add(&self, index: usize, film: &mut Film, canvas: &Canvas, passes: Range<u64>) {
+    pub(super) fn add(
+        &self,
+        index: usize,
+        film: &mut Film,
+        sample_buffer: &SampleBuffer,
+        passes: Range<u64>,
+    ) {
         let rect = self.grid.rect(index);
         let (mut paths, mut nonfinite) = (0, 0);
         for pass in film.passes().max(passes.start)..passes.end {
             film.begin_pass();
             let which = (pass - passes.start) as usize;
-            for (pixel, sample) in canvas.tile(which, rect).enumerate() {
+            for (pixel, sample) in sample_buffer.tile(which, rect).enumerate() {
                 if sample.is_finite() {
                     film.add(pixel, sample);
                 } else {
@@ -245,12 +254,12 @@ impl Epoch {
     }
 
     /// Shows a tile in blocks of the colours on the canvas.
-    pub(super) fn show_preview(&self, index: usize, canvas: &Canvas, block: u32) {
+    pub(super) fn show_preview(&self, index: usize, sample_buffer: &SampleBuffer, block: u32) {
         let rect = self.grid.rect(index);
         let mut mean = Vec::with_capacity(rect.area());
         for y in rect.y0..rect.y1 {
             for left in (rect.x0..rect.x1).step_by(block as usize) {
-                let colour = canvas.at([left / block, y / block]);
+                let colour = sample_buffer.at([left / block, y / block]);
                 let colour = if colour.is_finite() { colour } else { Rgb::BLACK };
                 let width = block.min(rect.x1 - left) as usize;
                 mean.extend(std::iter::repeat_n(<[f32; 3]>::from(colour), width));

@@ -3,26 +3,26 @@
 
 use super::Params;
 use crate::scene::{Camera, Scene};
-use crate::trace::{Deal, FirstHits, Group};
+use crate::trace::{FirstHits, PixelGrouping, ReuseGroup};
 use std::sync::Arc;
 
 /// Most samples of a round that is kept: those of the largest take about 40 MB.
 const MOST: u64 = 1 << 21;
 /// Previews of different coarseness, the first pass, and what a change of their groups leaves.
-const ROUNDS: usize = 4;
+const PASSES: usize = 4;
 
 /// First hits of the first pass and of the previews before it.
 #[derive(Default)]
 pub(super) struct FirstHitCache {
     of: Option<(Arc<Scene>, Camera, [u32; 2], u64)>,
-    rounds: Vec<Round>,
+    passes: Vec<CachedPass>,
 }
 
-struct Round {
+struct CachedPass {
     block: u32,
-    group: Group,
-    /// Of each bundle, row by row.
-    bundles: Vec<FirstHits>,
+    group: ReuseGroup,
+    /// Of each batch, row by row.
+    batches: Vec<FirstHits>,
 }
 
 impl FirstHitCache {
@@ -34,30 +34,35 @@ impl FirstHitCache {
         });
         if !is_same {
             self.of = Some((scene.clone(), *camera, *size, *seed));
-            self.rounds.clear();
+            self.passes.clear();
         }
     }
 
-    /// What is kept of the first pass over blocks of so many pixels a side, dealt like this: one a
-    /// bundle, or nothing where it would be too much.
-    pub(super) fn round(&mut self, block: u32, group: Group, deal: &Deal) -> &[FirstHits] {
-        let [columns, rows] = deal.bundles().map(|n| n as usize);
+    /// What is kept of the first pass over blocks of so many pixels a side, grouped like this: one a
+    /// batch, or nothing where it would be too much.
+    pub(super) fn pass(
+        &mut self,
+        block: u32,
+        group: ReuseGroup,
+        grouping: &PixelGrouping,
+    ) -> &[FirstHits] {
+        let [columns, rows] = grouping.batches().map(|n| n as usize);
         let samples = |(_, _, [width, height], _): &(_, _, [u32; 2], _)| {
             u64::from(width.div_ceil(block)) * u64::from(height.div_ceil(block))
         };
         if self.of.as_ref().is_none_or(|of| samples(of) > MOST) {
             return &[];
         }
-        let known = self.rounds.iter().position(|r| (r.block, r.group) == (block, group));
+        let known = self.passes.iter().position(|r| (r.block, r.group) == (block, group));
         let at = known.unwrap_or_else(|| {
-            if self.rounds.len() == ROUNDS {
-                self.rounds.remove(0);
+            if self.passes.len() == PASSES {
+                self.passes.remove(0);
             }
-            let mut bundles = Vec::new();
-            bundles.resize_with(columns * rows, FirstHits::default);
-            self.rounds.push(Round { block, group, bundles });
-            self.rounds.len() - 1
+            let mut batches = Vec::new();
+            batches.resize_with(columns * rows, FirstHits::default);
+            self.passes.push(CachedPass { block, group, batches });
+            self.passes.len() - 1
         });
-        &self.rounds[at].bundles
+        &self.passes[at].batches
     }
 }

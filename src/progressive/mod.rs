@@ -1,19 +1,19 @@
 //! The progressive core: [`Params`] in, epoch-stamped [`Snapshot`]s out.
 
 mod accumulator;
-mod canvas;
+mod choose_group;
 mod driver;
 mod epoch;
 mod experiment;
 mod first_hits;
-mod outlet;
+mod mailbox;
 mod params;
 mod parts;
-mod pilot;
 mod plan;
 mod probe;
 mod recipe;
 mod replay;
+mod sample_buffer;
 mod session;
 mod sheet;
 mod snapshot;
@@ -26,7 +26,7 @@ pub use crate::trace::Strategy;
 pub use experiment::{Difference, Experiment, ExperimentError, Goal};
 pub use params::{Params, ParamsError};
 pub use parts::part;
-pub use probe::{LogHistogram, Part, PixelReport, Technique, probe};
+pub use probe::{LogHistogram, PixelReport, ProbeEstimate, Technique, probe};
 pub use recipe::{
     ErrorRecipe, FileRecipe, MaterialRecipe, Recipe, RecipeError, SceneRecipe, ToneRecipe,
 };

@@ -1,12 +1,12 @@
 //! Everything that a picture depends on.
 
-use super::{Session, pilot};
+use super::{Session, choose_group};
 use crate::brdf::{Erratum, Model, Normals, Roughness};
 use crate::film::Film;
 use crate::limits::{PICTURE_SIDE, TooLarge, fits};
-use crate::math::sequence::REPLICATES;
+use crate::math::sobol::REPLICATES;
 use crate::scene::{Camera, Material, Scene};
-use crate::trace::{Group, Integrator, Method, Strategy, Tracer};
+use crate::trace::{Integrator, Method, ReuseGroup, Strategy, Tracer};
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -39,13 +39,13 @@ pub struct Params {
     /// strategies, other normals and mistakes are its work anyway.
     pub reference: bool,
     /// How many neighbouring paths share what they find; `None` for as many as a
-    /// pilot finds best. Where the reference tracer works none do.
-    pub group: Option<Group>,
+    /// selection of the group finds best. Where the reference tracer works none do.
+    pub group: Option<ReuseGroup>,
     /// Whether every pixel gets the same number of samples. Otherwise, after the first 16 passes, a
     /// pass is one sample a pixel on the mean only, and more where the picture is noisier.
     pub uniform: bool,
     /// The number of the first pass: 0 but where a picture is rendered in parts, each of which has some of
-    /// the passes. A multiple of 4, so that every part is dealt to the replicates in the same turn, of at
+    /// the passes. A multiple of 4, so that every part is grouped to the replicates in the same turn, of at
     /// most [`Session::MAX_PASSES`]; only where passes are uniform can it be another than 0.
     pub first_pass: u64,
 }
@@ -139,11 +139,11 @@ impl Params {
     }
 
     /// How many neighbouring paths share in a picture of these: as many as [`Params::group`] says,
-    /// or else as many as a pilot finds best, which takes some milliseconds.
-    pub fn decide_group(&self) -> Result<Group, ParamsError> {
+    /// or else as many as a selection of the group finds best, which takes some milliseconds.
+    pub fn decide_group(&self) -> Result<ReuseGroup, ParamsError> {
         self.check()?;
         let tracer = self.tracer();
-        Ok(pilot::decide(self, &tracer, &mut tracer.scratch()))
+        Ok(choose_group::decide(self, &tracer, &mut tracer.scratch()))
     }
 
     /// Whether these can be rendered.

@@ -17,7 +17,7 @@
 
 use super::TileGrid;
 use crate::film::{CELL, Film};
-use crate::trace::{Group, Hand, deal_cell};
+use crate::trace::{PixelBatch, ReuseGroup, group_cell};
 use std::ops::Range;
 
 /// Passes of one sample a pixel.
@@ -49,7 +49,7 @@ struct Rate {
     before: u64,
     /// Those that four passes add.
     rate: f64,
-    /// In [0, 1): so that roundings even out between cells.
+    /// In [0, 1): so that rounding errors even out between cells.
     start: f64,
 }
 
@@ -90,17 +90,17 @@ pub(super) fn group_of(
     size: [u32; 2],
     seed: u64,
     pass: u64,
-    group: Group,
+    group: ReuseGroup,
     pixel: [u32; 2],
-) -> Hand {
+) -> PixelBatch {
     let side = CELL as u32;
     let area = [0, 1].map(|axis: usize| {
         let start = pixel[axis] / side * side;
         start..(start + side).min(size[axis])
     });
-    let mut hand = Hand::default();
-    deal_cell(area, seed, pass, group, &mut hand);
-    hand.group_of(pixel)
+    let mut batch = PixelBatch::default();
+    group_cell(area, seed, pass, group, &mut batch);
+    batch.group_of(pixel)
 }
 
 /// The number of passes at which the plan for this one begins; 0 while there is none.

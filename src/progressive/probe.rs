@@ -3,7 +3,7 @@
 use super::{Params, Replay};
 use crate::film::{Figure, Interval, student};
 use crate::math::Rgb;
-use crate::math::sequence::REPLICATES;
+use crate::math::sobol::REPLICATES;
 use crate::scene::{FirstHit, MaterialId};
 use crate::trace::{PathRecord, Tracer};
 
@@ -22,13 +22,13 @@ pub struct PixelReport {
     /// How many samples there are.
     pub samples: u64,
     /// All of the light.
-    pub total: Part,
+    pub total: ProbeEstimate,
     /// By the number of scattering events between camera and light, from 0, which is light seen
     /// directly. The last one holds that many and more; the list ends with the last that has any
     /// light.
-    pub by_event: Vec<Part>,
+    pub by_event: Vec<ProbeEstimate>,
     /// In the order of [`Technique::ALL`].
-    pub by_technique: [Part; Technique::ALL.len()],
+    pub by_technique: [ProbeEstimate; Technique::ALL.len()],
     /// Luminance of every sample, in their order.
     pub luminances: Vec<f32>,
     /// Directions that samples took at the first surface where that is of the material of
@@ -68,7 +68,7 @@ impl Technique {
 
 /// Mean radiance of some of the light, in W/(m² sr).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Part {
+pub struct ProbeEstimate {
     /// Of each channel.
     pub rgb: [Figure; 3],
     /// Of the Rec. 709 luminance.
@@ -102,7 +102,7 @@ pub fn probe(params: &Params, [x, y]: [u32; 2], samples: u64) -> Option<PixelRep
     let middle = [x as f32 + 0.5, y as f32 + 0.5];
     let first = params.scene.first_hit(&params.camera, params.size, middle);
     let tracer = params.tracer();
-    let mut sums = Sums::new(first.map(|f| f.material));
+    let mut sums = ProbeSums::new(first.map(|f| f.material));
     sums.trace(&tracer, [x, y], samples);
     let last = sums.by_event.iter().rposition(|e| e.any).map_or(0, |i| i + 1);
     let each = samples / runs;
@@ -133,12 +133,12 @@ pub(super) fn contributions(path: &PathRecord) -> impl Iterator<Item = (usize, T
 
 /// Sums of some of the light, by randomisation.
 #[derive(Clone, Copy, Default)]
-struct Sum {
+struct ProbeSum {
     runs: [[f64; 3]; PixelReport::RANDOMISATIONS],
     any: bool,
 }
 
-impl Sum {
+impl ProbeSum {
     fn add(&mut self, run: usize, found: Rgb) {
         for (sum, c) in self.runs[run].iter_mut().zip(<[f32; 3]>::from(found)) {
             *sum += f64::from(c);
@@ -147,7 +147,7 @@ impl Sum {
     }
 
     /// Means of so many samples a randomisation.
-    fn part(&self, each: u64) -> Part {
+    fn part(&self, each: u64) -> ProbeEstimate {
         let of = |weights: [f64; 3]| {
             figure(self.runs.map(|rgb| {
                 let sum: f64 = rgb.iter().zip(weights).map(|(c, w)| c * w).sum();
@@ -155,7 +155,7 @@ impl Sum {
             }))
         };
         let rgb = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(of);
-        Part { rgb, luminance: of([0, 1, 2].map(luminance_of)) }
+        ProbeEstimate { rgb, luminance: of([0, 1, 2].map(luminance_of)) }
     }
 }
 
@@ -177,21 +177,21 @@ fn figure<const N: usize>(runs: [f64; N]) -> Figure {
     Figure { value, interval: Interval { low: value - reach, high: value + reach } }
 }
 
-struct Sums {
+struct ProbeSums {
     material: Option<MaterialId>,
-    total: Sum,
-    by_event: [Sum; PixelReport::EVENTS],
-    by_technique: [Sum; Technique::ALL.len()],
+    total: ProbeSum,
+    by_event: [ProbeSum; PixelReport::EVENTS],
+    by_technique: [ProbeSum; Technique::ALL.len()],
     luminances: Vec<f32>,
     directions: Vec<[f32; 3]>,
     brightest: Option<(u64, PathRecord)>,
 }
 
-impl Sums {
-    fn new(material: Option<MaterialId>) -> Sums {
-        Sums {
+impl ProbeSums {
+    fn new(material: Option<MaterialId>) -> ProbeSums {
+        ProbeSums {
             material,
-            total: Sum::default(),
+            total: ProbeSum::default(),
             by_event: Default::default(),
             by_technique: Default::default(),
             luminances: Vec::new(),

@@ -7,11 +7,11 @@ mod possible;
 
 use super::{Counts, ErrorEstimate, Figure, Params, Snapshot};
 use crate::brdf::{Erratum, Roughness};
-use crate::math::lanes::Isa;
+use crate::math::simd::Isa;
 use crate::picture::{Format, Picture, SaveError, Tone, write_with_samples};
 use crate::scene::write::{Edits, WriteError, edit};
 use crate::scene::{Camera, Crop, Material, MaterialError, MaterialId, Source, SourceFile};
-use crate::trace::Group;
+use crate::trace::ReuseGroup;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use thiserror::Error;
@@ -222,7 +222,7 @@ pub(super) struct Outcome {
     pub(super) whole: bool,
     pub(super) counts: Counts,
     pub(super) error: Option<ErrorEstimate>,
-    pub(super) group: Group,
+    pub(super) group: ReuseGroup,
 }
 
 impl Recipe {

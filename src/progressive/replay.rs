@@ -1,14 +1,14 @@
 //! One sample of one pixel, traced again with those that it shared with.
 
-use super::{Params, pilot, plan};
+use super::{Params, choose_group, plan};
 use crate::math::Rgb;
-use crate::trace::{Deal, Group, Part};
+use crate::trace::{Contribution, PixelGrouping, ReuseGroup};
 
 /// A pixel's sample of a pass, and the group of pixels that it came from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Replay {
     /// How many paths share.
-    pub group: Group,
+    pub group: ReuseGroup,
     /// Columns and rows of the group's pixels, from the top left; the pixel's alone where none
     /// share. Fewer than the group's size at the picture's edges.
     pub pixels: Vec<[u32; 2]>,
@@ -37,24 +37,24 @@ impl Replay {
         }
         let tracer = params.tracer();
         let mut scratch = tracer.scratch();
-        let group = pilot::decide(params, &tracer, &mut scratch);
+        let group = choose_group::decide(params, &tracer, &mut scratch);
         let uniform = params.uniform || pass < plan::UNIFORM;
-        let mut hand = match uniform {
-            true => Deal::new(params.size, params.seed, pass, group).group_of([x, y]),
+        let mut batch = match uniform {
+            true => PixelGrouping::new(params.size, params.seed, pass, group).group_of([x, y]),
             false => plan::group_of(params.size, params.seed, pass, group, [x, y]),
         };
-        let mut trace = |part: Part| {
-            hand.part = part;
-            tracer.samples_of(&hand, pass, &mut scratch)
+        let mut trace = |part: Contribution| {
+            batch.contribution = part;
+            tracer.samples_of(&batch, pass, &mut scratch)
         };
-        let whole = trace(Part::Whole);
+        let whole = trace(Contribution::Whole);
         let shared = match group {
-            Group::None => vec![Rgb::BLACK; whole.len()],
-            _ => trace(Part::Shared),
+            ReuseGroup::None => vec![Rgb::BLACK; whole.len()],
+            _ => trace(Contribution::Shared),
         };
         let samples =
             whole.into_iter().zip(shared).map(|(whole, shared)| Sample { whole, shared }).collect();
-        let own = hand.pixels.iter().position(|&pixel| pixel == [x, y])?;
-        Some(Replay { group, pixels: hand.pixels, samples, own })
+        let own = batch.pixels.iter().position(|&pixel| pixel == [x, y])?;
+        Some(Replay { group, pixels: batch.pixels, samples, own })
     }
 }

@@ -1,7 +1,7 @@
 //! Worker threads behind a handle.
 
 use super::driver::{Driver, Start};
-use super::outlet::Outlet;
+use super::mailbox::Mailbox;
 use super::turn::{Role, Turn};
 use super::work::{Work, Workers};
 use super::{Experiment, ExperimentError, Params, ParamsError, Snapshot, State};
@@ -88,7 +88,7 @@ struct Wanted {
 }
 
 /// What the handle tells the workers. The counters are written under the lock of `wanted`, and
-/// read without it once a bundle of paths.
+/// read without it once a batch of paths.
 #[derive(Debug)]
 pub(super) struct Shared {
     wanted: Mutex<Wanted>,
@@ -192,7 +192,7 @@ impl Session {
         let notify = Arc::new(notify);
         let outlets = [(sender, &snapshots), (beside_sender, &beside)].map(|(sender, receiver)| {
             let notify = notify.clone();
-            Outlet::new(sender, receiver.clone(), Box::new(move || notify()))
+            Mailbox::new(sender, receiver.clone(), Box::new(move || notify()))
         });
         let workers = Workers::new(options, shared.clone(), outlets)?;
         let failed = |e: std::io::Error| ParamsError::Threads { threads: 1, reason: e.to_string() };
@@ -204,7 +204,7 @@ impl Session {
     }
 
     /// Renders these from now on. Returns the epoch that their snapshots will carry; it is the
-    /// present one when nothing changed. Takes effect within one bundle of paths. What has been traced
+    /// present one when nothing changed. Takes effect within one batch of paths. What has been traced
     /// of the parameters before is [kept](Options::keep), and goes on once they are set again.
     pub fn set(&self, params: Params) -> Result<u64, ParamsError> {
         params.check()?;
@@ -254,7 +254,7 @@ impl Session {
 
     /// Keeps at most so many bytes of pictures of other parameters from now on.
     pub fn set_keep(&self, bytes: u64) {
-        self.shared.tell(|shared| shared.keep.store(bytes, Ordering::Release));
+        self.shared.apply(|shared| shared.keep.store(bytes, Ordering::Release));
     }
 
     /// What is kept of other parameters.
@@ -271,10 +271,10 @@ impl Session {
     /// Stops at this many passes (1 to [`Session::MAX_PASSES`]); a higher one goes on.
     pub fn set_limit(&self, passes: u64) {
         let passes = passes.clamp(1, Self::MAX_PASSES);
-        self.shared.tell(|shared| shared.limit.store(passes, Ordering::Release));
+        self.shared.apply(|shared| shared.limit.store(passes, Ordering::Release));
     }
 
-    /// Stops after the bundles of paths being traced. The sums stay what they are; of what is not yet
+    /// Stops after the batches of paths being traced. The sums stay what they are; of what is not yet
     /// in them, about a twentieth of a second of work, some is traced again.
     pub fn pause(&self) {
         self.shared.pause(true);
@@ -289,7 +289,7 @@ impl Session {
     /// which no worker is about it: at the end of a pass, unless a pause has come within one. Nothing is
     /// traced meanwhile. It is dropped undone if the session ends or fails before.
     pub fn visit_experiment(&self, wish: impl FnOnce(&mut Experiment) + Send + 'static) {
-        self.shared.tell(|shared| {
+        self.shared.apply(|shared| {
             let mut wishes = shared.wishes.0.lock().unwrap_or_else(PoisonError::into_inner);
             wishes.push(Box::new(wish));
             shared.wished.store(true, Ordering::Release);
@@ -324,7 +324,7 @@ fn millis(interval: Duration) -> u64 {
 
 impl Drop for Session {
     fn drop(&mut self) {
-        self.shared.tell(|shared| shared.stopped.store(true, Ordering::Release));
+        self.shared.apply(|shared| shared.stopped.store(true, Ordering::Release));
         if let Some(driver) = self.driver.take() {
             // A panic of the driver has been told as a snapshot or by the panic hook.
             let _ = driver.join();
@@ -353,14 +353,14 @@ impl Shared {
     }
 
     pub(super) fn pause(&self, paused: bool) {
-        self.tell(|shared| shared.paused.store(paused, Ordering::Release));
+        self.apply(|shared| shared.paused.store(paused, Ordering::Release));
     }
 
     fn lock(&self) -> MutexGuard<'_, Wanted> {
         self.wanted.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn tell(&self, what: impl FnOnce(&Shared)) {
+    fn apply(&self, what: impl FnOnce(&Shared)) {
         let guard = self.lock();
         what(self);
         self.tell_with(guard);

@@ -2,7 +2,7 @@
 
 use crate::film::{CELL, ErrorEstimate};
 use crate::picture::Picture;
-use crate::trace::Group;
+use crate::trace::ReuseGroup;
 use std::sync::Arc;
 
 /// Side of a tile in pixels. Tiles on the right and bottom edge may be smaller.
@@ -160,7 +160,7 @@ pub struct Snapshot {
     /// Error of the picture, once the replicates allow one.
     pub error: Option<ErrorEstimate>,
     /// How many neighbouring paths share what they find.
-    pub group: Group,
+    pub group: ReuseGroup,
     /// Seconds spent tracing in this epoch.
     pub seconds: f64,
     /// What the workers are doing.

@@ -4,15 +4,15 @@
 mod tests;
 
 use super::accumulator::whole_passes;
-use super::canvas::Canvas;
 use super::epoch::{Epoch, Own};
 use super::first_hits::FirstHitCache;
-use super::outlet::Outlet;
+use super::mailbox::Mailbox;
+use super::sample_buffer::SampleBuffer;
 use super::session::{Options, Shared};
 use super::turn::{Role, Turn};
-use super::{Counts, Params, ParamsError, State, TILE, pilot, plan};
+use super::{Counts, Params, ParamsError, State, TILE, choose_group, plan};
 use crate::film::Film;
-use crate::trace::{Deal, FirstHits, Group, Round, Scratch};
+use crate::trace::{BatchOptions, FirstHits, PixelGrouping, ReuseGroup, Scratch};
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::ops::Range;
@@ -37,11 +37,11 @@ const PREVIEW_PATHS: u64 = 8192;
 /// The preview is refined by this factor in each direction until a pass is no finer.
 const PREVIEW_STEP: u32 = 4;
 /// Paths of a preview that share.
-const PREVIEW_GROUP: Group = Group::Sixteen;
+const PREVIEW_GROUP: ReuseGroup = ReuseGroup::Sixteen;
 
 /// What a driver has from one epoch to the next besides the films.
 pub(super) struct Store {
-    canvas: Canvas,
+    sample_buffer: SampleBuffer,
     /// Of the next preview.
     preview_paths: u64,
     first_hits: FirstHitCache,
@@ -49,8 +49,8 @@ pub(super) struct Store {
 
 impl Default for Store {
     fn default() -> Store {
-        let (canvas, first_hits) = (Canvas::default(), FirstHitCache::default());
-        Store { canvas, preview_paths: PREVIEW_PATHS, first_hits }
+        let (sample_buffer, first_hits) = (SampleBuffer::default(), FirstHitCache::default());
+        Store { sample_buffer, preview_paths: PREVIEW_PATHS, first_hits }
     }
 }
 
@@ -75,10 +75,10 @@ pub(super) enum Work {
 /// Passes that are traced at once, and what is kept of the first one.
 #[derive(Clone, Copy)]
 struct Rounds<'a> {
-    deals: &'a [Deal],
+    groupings: &'a [PixelGrouping],
     /// The first one's number.
     first: u64,
-    /// Of each bundle, or nothing.
+    /// Of each batch, or nothing.
     first_hits: &'a [FirstHits],
 }
 
@@ -86,7 +86,7 @@ pub(super) struct Workers {
     options: Options,
     pub(super) shared: Arc<Shared>,
     /// For the picture that is shown, and for the one beside.
-    outlets: [Outlet; 2],
+    outlets: [Mailbox; 2],
     pool: ThreadPool,
     /// Samples to be traced in [`WAVE_TIME`], as far as is known.
     wave: AtomicU64,
@@ -96,7 +96,7 @@ impl Workers {
     pub(super) fn new(
         options: Options,
         shared: Arc<Shared>,
-        outlets: [Outlet; 2],
+        outlets: [Mailbox; 2],
     ) -> Result<Workers, ParamsError> {
         let pool = ThreadPoolBuilder::new()
             .num_threads(options.threads)
@@ -149,19 +149,19 @@ impl Workers {
     }
 
     /// How many paths share, found out if it is not known; `None` if it was to stop before.
-    fn group(&self, epoch: &Epoch) -> Option<Group> {
+    fn group(&self, epoch: &Epoch) -> Option<ReuseGroup> {
         if let Some(&group) = epoch.group.get() {
             return Some(group);
         }
         let found = Mutex::new(Vec::new());
-        let whole = self.for_each_task(epoch, pilot::tasks(), &|task, own| {
+        let whole = self.for_each_task(epoch, choose_group::tasks(), &|task, own| {
             let result = task.run(&epoch.params, &epoch.tracer, &mut own.scratch);
             found.lock().unwrap_or_else(PoisonError::into_inner).push(result);
         });
         let found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
         let primitives = epoch.params.scene.geometry().len();
         let uniform = epoch.params.uniform;
-        whole.then(|| *epoch.group.get_or_init(|| pilot::choose(found, primitives, uniform)))
+        whole.then(|| *epoch.group.get_or_init(|| choose_group::choose(found, primitives, uniform)))
     }
 
     /// Some passes of a sample a pixel, in bands of as many rows as are worth it. Ends early when it is
@@ -170,21 +170,23 @@ impl Workers {
         &self,
         epoch: &Epoch,
         films: &mut [Film],
-        Store { canvas, first_hits: cache, .. }: &mut Store,
+        Store { sample_buffer, first_hits: cache, .. }: &mut Store,
         passes: Range<u64>,
-        group: Group,
+        group: ReuseGroup,
     ) {
         let Params { size, seed, first_pass, .. } = epoch.params;
-        let deals: Vec<Deal> =
-            passes.clone().map(|pass| Deal::new(size, seed, first_pass + pass, group)).collect();
+        let groupings: Vec<PixelGrouping> = passes
+            .clone()
+            .map(|pass| PixelGrouping::new(size, seed, first_pass + pass, group))
+            .collect();
         // Only who edits comes back to the first pass.
         let first_hits = match passes {
             Range { start: 0, end: 1 } if self.options.preview && first_pass == 0 => {
-                cache.round(1, group, &deals[0])
+                cache.pass(1, group, &groupings[0])
             }
             _ => &[],
         };
-        canvas.prepare(size, deals.len());
+        sample_buffer.prepare(size, groupings.len());
         let columns = epoch.grid.columns_rows()[0] as usize;
         let rows = films.len() / columns;
         // Rows of tiles that had all of these before an interruption are not traced again.
@@ -192,14 +194,15 @@ impl Workers {
             films[row * columns..][..columns].iter().all(|film| film.passes() >= passes.end)
         };
         let mut row = (0..rows).find(|&row| !have(films, row)).unwrap_or(rows);
-        let mut traced = vec![0; deals.len()];
-        let samples = (size[0] * TILE) as usize * deals.len();
+        let mut traced = vec![0; groupings.len()];
+        let samples = (size[0] * TILE) as usize * groupings.len();
         while row < rows {
             let band = (self.wave() as usize).div_ceil(samples);
             let end = (row + band).min(rows);
             let lines = row as u32 * TILE..(end as u32 * TILE).min(size[1]);
-            let rounds = Rounds { deals: &deals, first: first_pass + passes.start, first_hits };
-            if !self.trace_lines(epoch, canvas, rounds, lines, &mut traced) {
+            let rounds =
+                Rounds { groupings: &groupings, first: first_pass + passes.start, first_hits };
+            if !self.trace_lines(epoch, sample_buffer, rounds, lines, &mut traced) {
                 return;
             }
             let due = passes.start == 0 || epoch.is_snapshot_due(self.shared.interval());
@@ -207,7 +210,7 @@ impl Workers {
             self.pool.install(|| {
                 films.par_iter_mut().enumerate().for_each(|(i, film)| {
                     let index = row * columns + i;
-                    epoch.add(index, film, canvas, passes.clone());
+                    epoch.add(index, film, sample_buffer, passes.clone());
                     // Every row gets its turn, whenever the others were shown.
                     if due || self.options.preview && epoch.is_behind(index, film) {
                         epoch.show_if_new(index, film);
@@ -221,7 +224,7 @@ impl Workers {
 
     /// Passes up to this one that give cells as many samples as is planned for them. Every tile goes
     /// through them by itself. Ends early when it is to.
-    fn uneven_passes(&self, epoch: &Epoch, films: &mut [Film], target: u64, group: Group) {
+    fn uneven_passes(&self, epoch: &Epoch, films: &mut [Film], target: u64, group: ReuseGroup) {
         let plan = epoch.plan(films);
         let due = epoch.is_snapshot_due(self.shared.interval());
         let (start, samples) = (Instant::now(), AtomicU64::new(0));
@@ -279,39 +282,45 @@ impl Workers {
         self.wave.load(Ordering::Relaxed).clamp(least, WAVE_MOST.max(least))
     }
 
-    /// Traces what these lines of the picture need, but for the rows of bundles that already are:
+    /// Traces what these lines of the picture need, but for the rows of batches that already are:
     /// false if it was to stop before all of them were there.
     fn trace_lines(
         &self,
         epoch: &Epoch,
-        canvas: &Canvas,
-        Rounds { deals, first, first_hits }: Rounds,
+        sample_buffer: &SampleBuffer,
+        Rounds { groupings, first, first_hits }: Rounds,
         lines: Range<u32>,
         traced: &mut [u32],
     ) -> bool {
         let mut tasks = Vec::new();
-        for (which, (deal, traced)) in deals.iter().zip(traced).enumerate() {
-            let rows = deal.bundle_rows(lines.clone());
-            let columns = deal.bundles()[0];
+        for (which, (grouping, traced)) in groupings.iter().zip(traced).enumerate() {
+            let rows = grouping.batch_rows(lines.clone());
+            let columns = grouping.batches()[0];
             for y in rows.start.max(*traced)..rows.end {
                 tasks.extend((0..columns).map(|x| (which, [x, y])));
             }
             *traced = rows.end;
         }
         let counts = [AtomicU64::new(0), AtomicU64::new(0)];
-        let (start, bundles) = (Instant::now(), tasks.len());
+        let (start, batches) = (Instant::now(), tasks.len());
         let whole = self.for_each_task(epoch, tasks, &|(which, at), own| {
-            let (deal, pass) = (&deals[which], first + which as u64);
-            let put = &mut |pixel, sample| canvas.put(which, pixel, sample);
-            let first_hits = first_hits.get((at[1] * deal.bundles()[0] + at[0]) as usize);
-            epoch.trace(deal, at, Round { first_hits, ..Round::of(pass) }, own, put);
+            let (grouping, pass) = (&groupings[which], first + which as u64);
+            let put = &mut |pixel, sample| sample_buffer.put(which, pixel, sample);
+            let first_hits = first_hits.get((at[1] * grouping.batches()[0] + at[0]) as usize);
+            epoch.trace(
+                grouping,
+                at,
+                BatchOptions { first_hits, ..BatchOptions::of(pass) },
+                own,
+                put,
+            );
             let Scratch { rays, capped, .. } = &mut own.scratch;
             counts[0].fetch_add(std::mem::take(rays), Ordering::Relaxed);
             counts[1].fetch_add(std::mem::take(capped), Ordering::Relaxed);
         });
-        if whole && bundles > 0 {
+        if whole && batches > 0 {
             let waves = start.elapsed().as_secs_f64() / WAVE_TIME.as_secs_f64();
-            let samples = 512.0 * bundles as f64 / waves.max(1e-6);
+            let samples = 512.0 * batches as f64 / waves.max(1e-6);
             self.wave.store(samples as u64, Ordering::Relaxed);
         }
         if whole {
@@ -346,7 +355,7 @@ impl Workers {
 
     /// Blocks of pixels in the colour of one sample each, ever finer.
     fn preview(&self, epoch: &Epoch, store: &mut Store) {
-        let Store { canvas, preview_paths: most, first_hits: cache } = store;
+        let Store { sample_buffer, preview_paths: most, first_hits: cache } = store;
         let Params { size, seed, .. } = epoch.params;
         let coarse = |block: u32| size.map(|side| side.div_ceil(block));
         let paths = |block: u32| coarse(block).map(u64::from).iter().product::<u64>();
@@ -355,18 +364,24 @@ impl Workers {
             block *= 2;
         }
         while block > 1 && self.shared.goes_on(epoch.turn) {
-            let apart = epoch.group.get() == Some(&Group::None);
-            let group = if apart { Group::None } else { PREVIEW_GROUP };
-            let deal = Deal::new(coarse(block), seed, 0, group);
-            canvas.prepare(coarse(block), 1);
-            let [columns, rows] = deal.bundles();
+            let apart = epoch.group.get() == Some(&ReuseGroup::None);
+            let group = if apart { ReuseGroup::None } else { PREVIEW_GROUP };
+            let grouping = PixelGrouping::new(coarse(block), seed, 0, group);
+            sample_buffer.prepare(coarse(block), 1);
+            let [columns, rows] = grouping.batches();
             let tasks = (0..rows).flat_map(|y| (0..columns).map(move |x| [x, y])).collect();
-            let first_hits = cache.round(block, group, &deal);
+            let first_hits = cache.pass(block, group, &grouping);
             let start = Instant::now();
             let whole = self.for_each_task(epoch, tasks, &|at, own| {
-                let put = &mut |pixel, sample| canvas.put(0, pixel, sample);
+                let put = &mut |pixel, sample| sample_buffer.put(0, pixel, sample);
                 let first_hits = first_hits.get((at[1] * columns + at[0]) as usize);
-                epoch.trace(&deal, at, Round { block, first_hits, ..Round::of(0) }, own, put);
+                epoch.trace(
+                    &grouping,
+                    at,
+                    BatchOptions { block, first_hits, ..BatchOptions::of(0) },
+                    own,
+                    put,
+                );
                 (own.scratch.rays, own.scratch.capped) = (0, 0);
             });
             if !whole {
@@ -377,7 +392,7 @@ impl Workers {
             self.pool.install(|| {
                 (0..epoch.grid.len())
                     .into_par_iter()
-                    .for_each(|index| epoch.show_preview(index, canvas, block))
+                    .for_each(|index| epoch.show_preview(index, sample_buffer, block))
             });
             self.send(epoch, State::Running, 0);
             block /= PREVIEW_STEP;

@@ -1,6 +1,6 @@
 //! From what a reader found, in world units and f64, to a validated [`Scene`] in f32.
 
-use super::doubles::{Doubles, Origin, Places};
+use super::doubles::{Doubles, FirstPlaces, Origin};
 use super::normals::{self, NormalCounts, face_normal};
 use super::read::text::shown;
 use super::weld::weld;
@@ -524,7 +524,7 @@ impl SceneBuilder {
     fn drop_doubles(&mut self) -> Doubles {
         let mut doubles = Doubles::default();
         let (low, high) = self.bounds();
-        let places = Places(Placement::fitting(low, high));
+        let places = FirstPlaces(Placement::fitting(low, high));
         let emits = |material: MaterialId| self.materials[material as usize].emits();
         let (positions, triangles, groups) = (&self.positions, &self.triangles, &self.groups);
         let (spheres, cylinders) = (&self.spheres, &self.cylinders);

@@ -124,9 +124,9 @@ impl Lost {
 }
 
 /// Where places are compared.
-pub(super) struct Places(pub(super) Placement);
+pub(super) struct FirstPlaces(pub(super) Placement);
 
-impl Places {
+impl FirstPlaces {
     /// Three components; the zeros are one.
     fn point(&self, p: DVec3) -> [u64; 3] {
         self.0.to_local(p).as_vec3().to_array().map(|x| u64::from((x + 0.0).to_bits()))

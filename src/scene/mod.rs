@@ -35,7 +35,7 @@ pub use normals::NormalCounts;
 pub use rays::CameraRays;
 pub use report::{Place, Report, Warning};
 pub use source::{Source, SourceFile};
-pub use stage::{Stage, StageError, StageLight};
+pub use stage::{ModelStage, StageError, StageLight};
 pub use up::Axis;
 
 use crate::geometry::{Bvh, Geometry, PrimitiveRange};
@@ -121,7 +121,7 @@ impl Scene {
     }
     /// Traces with another instruction set from now on: for tests and comparisons, the hits are
     /// the same bits.
-    pub fn set_isa(&mut self, isa: crate::math::lanes::Isa) {
+    pub fn set_isa(&mut self, isa: crate::math::simd::Isa) {
         self.bvh.set_isa(isa);
     }
     /// Every shape that would be a light of its own if its material emitted.
@@ -142,8 +142,8 @@ impl Scene {
         self.focus.unwrap_or(self.bounds)
     }
     /// The stage that a model without lights was put on; its materials are the last ones.
-    pub fn stage(&self) -> Option<Stage> {
-        self.focus.and_then(|[low, high]| Stage::around(low, high))
+    pub fn stage(&self) -> Option<ModelStage> {
+        self.focus.and_then(|[low, high]| ModelStage::around(low, high))
     }
     /// The material seen at a point of the picture, in pixels from its top left corner; `None`
     /// where nothing is hit.

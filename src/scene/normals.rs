@@ -122,7 +122,7 @@ pub(super) fn make(
         .into_par_iter()
         .map(|chunk| {
             let mut fans = Fans::default();
-            let mut scratch = Scratch::default();
+            let mut scratch = NormalsScratch::default();
             for v in chunk * CHUNK..((chunk + 1) * CHUNK).min(count) {
                 around.vertex(&corners[starts[v]..starts[v + 1]], &mut scratch, &mut fans);
             }
@@ -220,7 +220,7 @@ struct Around<'a> {
 
 /// Memory that vertices use in turn; a place a corner, but for the edges.
 #[derive(Default)]
-struct Scratch {
+struct NormalsScratch {
     /// The edges' other vertices, with the corner and whether its face leaves the vertex by the edge.
     edges: Vec<(u32, u32, bool)>,
     sets: Sets,
@@ -237,8 +237,8 @@ const NONE: u32 = u32::MAX;
 
 impl Around<'_> {
     /// Finds the fans of the vertex that these are all corners at.
-    fn vertex(&self, corners: &[u32], scratch: &mut Scratch, found: &mut Fans) {
-        let Scratch { edges, sets, groups, sums, first, planar, fans } = scratch;
+    fn vertex(&self, corners: &[u32], scratch: &mut NormalsScratch, found: &mut Fans) {
+        let NormalsScratch { edges, sets, groups, sums, first, planar, fans } = scratch;
         let count = corners.len();
         sets.reset(count);
         if count > 1 {

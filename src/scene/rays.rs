@@ -2,7 +2,7 @@
 
 use super::{Camera, Placement};
 use crate::geometry::Ray;
-use crate::math::{Lane, V3};
+use crate::math::{Simd, V3};
 
 /// A camera made ready for a picture size.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +55,7 @@ impl CameraRays {
 
     /// The directions of rays, as [`CameraRays::ray`]'s.
     #[inline(always)]
-    pub(crate) fn direction<L: Lane>(&self, x: L, y: L) -> V3<L> {
+    pub(crate) fn direction<L: Simd>(&self, x: L, y: L) -> V3<L> {
         let one = L::splat(1.0);
         let sx = x * L::splat(self.step[0]) - one;
         let sy = one - y * L::splat(self.step[1]);

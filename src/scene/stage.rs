@@ -9,7 +9,7 @@ use thiserror::Error;
 
 /// The stage around a model whose bounding box is known. Lengths are in world units.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stage {
+pub struct ModelStage {
     /// Middle of the model's bounding box.
     pub centre: DVec3,
     /// Half the diagonal of the box, the unit of all that follows.
@@ -34,7 +34,7 @@ pub struct StageLight {
 /// A stage that could not be put up.
 #[derive(Debug, Error)]
 pub enum StageError {
-    /// Never for a stage that [`Stage::around`] gave.
+    /// Never for a stage that [`ModelStage::around`] gave.
     #[error(transparent)]
     Shape(#[from] ShapeError),
     /// Never: the materials are constants.
@@ -49,7 +49,7 @@ const THICKNESS: f64 = 0.5;
 /// place otherwise.
 const GAP: f64 = 1e-3;
 
-impl Stage {
+impl ModelStage {
     /// Radiance of every direction that hits nothing, W/(m² sr).
     pub const SURROUND: [f32; 3] = [0.22, 0.23, 0.25];
     /// Materials that a stage adds to its model's: ground, key light, rim light.
@@ -57,11 +57,11 @@ impl Stage {
 
     /// The stage around this box; `None` for a box so large or small that its stage would be out of
     /// reach of coordinates.
-    pub fn around(low: DVec3, high: DVec3) -> Option<Stage> {
+    pub fn around(low: DVec3, high: DVec3) -> Option<ModelStage> {
         let (centre, radius) = ((low + high) * 0.5, (high - low).length() * 0.5);
         let reach = centre.abs().max_element() + 2.0 * GROUND * radius;
         let seen = radius > 1e-9 * centre.abs().max_element() && radius > 1e-15;
-        (reach <= MAX_COORDINATE && seen).then_some(Stage { centre, radius, floor: low.z })
+        (reach <= MAX_COORDINATE && seen).then_some(ModelStage { centre, radius, floor: low.z })
     }
 
     /// The key light, in front on the left, and the rim light, behind on the right.
@@ -114,7 +114,7 @@ mod tests {
     #[test]
     fn the_model_stands_free_between_ground_and_lights() {
         let (low, high) = (DVec3::new(-3.0, 1.0, 7.0), DVec3::new(-1.0, 9.0, 8.0));
-        let stage = Stage::around(low, high).unwrap();
+        let stage = ModelStage::around(low, high).unwrap();
         let (base, axis, radius) = stage.ground();
         let top = (base + axis).z;
         assert!(top < low.z && low.z - top < 2e-3 * stage.radius);
@@ -141,17 +141,17 @@ mod tests {
             (DVec3::splat(f64::NAN), DVec3::ONE),
             (DVec3::INFINITY, DVec3::NEG_INFINITY),
         ] {
-            assert_eq!(Stage::around(low, high), None, "{low} {high}");
+            assert_eq!(ModelStage::around(low, high), None, "{low} {high}");
         }
-        assert!(Stage::around(DVec3::ZERO, DVec3::new(1e15, 1e15, 0.0)).is_some());
+        assert!(ModelStage::around(DVec3::ZERO, DVec3::new(1e15, 1e15, 0.0)).is_some());
     }
 
     #[test]
     fn it_adds_what_it_says() {
         let mut builder = SceneBuilder::new("m");
-        Stage::around(DVec3::ZERO, DVec3::ONE).unwrap().put_up(&mut builder).unwrap();
-        assert_eq!((builder.shapes(), builder.materials().len()), (3, Stage::MATERIALS));
-        assert_eq!(builder.environment, Stage::SURROUND);
+        ModelStage::around(DVec3::ZERO, DVec3::ONE).unwrap().put_up(&mut builder).unwrap();
+        assert_eq!((builder.shapes(), builder.materials().len()), (3, ModelStage::MATERIALS));
+        assert_eq!(builder.environment, ModelStage::SURROUND);
         assert!(builder.is_lit());
     }
 }

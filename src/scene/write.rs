@@ -20,7 +20,7 @@
 
 use super::read::parse_camera;
 use super::read::text::{leading_number, lines};
-use super::{Axis, Camera, Material, Scene, SourceFile, Stage, StageLight};
+use super::{Axis, Camera, Material, ModelStage, Scene, SourceFile, StageLight};
 use crate::brdf::Roughness;
 use std::fmt::Write;
 use std::path::{Path, absolute};
@@ -152,7 +152,7 @@ fn alone(
 ) -> Result<String, WriteError> {
     let file = scene.source().files.first().ok_or(WriteError::NoFile)?;
     let stage = scene.stage();
-    let own = materials.len().saturating_sub(stage.map_or(0, |_| Stage::MATERIALS));
+    let own = materials.len().saturating_sub(stage.map_or(0, |_| ModelStage::MATERIALS));
     let (own, of_stage) = materials.split_at(own);
     let [material] = own else { return Err(WriteError::OwnMaterials(file.name.clone())) };
     let [r, g, b] = scene.environment();
@@ -173,7 +173,7 @@ fn alone(
 }
 
 /// The lines of what a stage adds, in the order of its materials.
-fn stage_shapes(stage: &Stage) -> Vec<String> {
+fn stage_shapes(stage: &ModelStage) -> Vec<String> {
     let (b, a, radius) = stage.ground();
     let ground = format!("cylinder {} {} {}  {} {} {}  {radius}", b.x, b.y, b.z, a.x, a.y, a.z);
     let sphere = |light: StageLight| {

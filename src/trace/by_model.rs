@@ -1,18 +1,18 @@
 //! The work that is compiled once for each microfacet model, chosen by the tracer's own.
 //!
-//! Only here does code outside the tracer meet what is generic over the model, so that whoever uses
+//! Only here does code outside the tracer hit what is generic over the model, so that whoever uses
 //! the library does not compile it again.
 
-use super::engine::Round;
-use super::{Hand, Scratch, Tracer, Watch};
+use super::wavefront::BatchOptions;
+use super::{PixelBatch, Scratch, Tracer, Watch};
 use crate::brdf::{Microfacet, ModelVisitor};
 use crate::math::Rgb;
 
 /// Paths side by side.
 struct Together<'a, 'b> {
     tracer: &'a Tracer,
-    hand: &'a Hand,
-    round: Round<'a>,
+    pixel_batch: &'a PixelBatch,
+    round: BatchOptions<'a>,
     scratch: &'a mut Scratch,
     watch: Watch<'b>,
 }
@@ -20,8 +20,8 @@ struct Together<'a, 'b> {
 impl ModelVisitor for Together<'_, '_> {
     type Output = ();
     fn visit<M: Microfacet>(self) {
-        let Together { tracer, hand, round, scratch, watch } = self;
-        tracer.sample_together::<M>(hand, round, scratch, watch);
+        let Together { tracer, pixel_batch, round, scratch, watch } = self;
+        tracer.sample_together::<M>(pixel_batch, round, scratch, watch);
     }
 }
 
@@ -44,8 +44,14 @@ impl ModelVisitor for OneByOne<'_> {
 }
 
 impl Tracer {
-    pub(super) fn together(&self, hand: &Hand, round: Round, scratch: &mut Scratch, watch: Watch) {
-        self.model.visit(Together { tracer: self, hand, round, scratch, watch });
+    pub(super) fn together(
+        &self,
+        pixel_batch: &PixelBatch,
+        round: BatchOptions,
+        scratch: &mut Scratch,
+        watch: Watch,
+    ) {
+        self.model.visit(Together { tracer: self, pixel_batch, round, scratch, watch });
     }
 
     /// [`Tracer::sample`] of one pixel after the other, or of blocks of pixels.

@@ -1,38 +1,35 @@
 //! Light transport: from (seed, pixel, pass) to radiance.
 //!
-//! [`Tracer::sample`] follows one path from the camera: at each surface it asks a light
+//! [`Tracer::sample`] follows one path from the camera: at each surface it samples a light
 //! explicitly and samples the BRDF, and weighs the two ways of finding the same light against
 //! each other (Veach 1997), so that every light counts exactly once. Nothing is clamped.
 //! [`Tracer::sample_each`] does the same for hundreds of paths side by side, as many at a time as a
 //! register holds: with the same random numbers, by other orders of the same sums.
 
 mod by_model;
-mod deal;
-mod engine;
-mod errata;
 mod lights;
-mod record;
+mod pixel_groups;
 mod reference;
 mod roulette;
-mod rules;
+mod wavefront;
 
-use crate::brdf::{Erratum, Lobes, Model, Normals};
+use crate::brdf::{BrdfParams, Erratum, Model, Normals};
 use crate::geometry::Stack;
-use crate::math::{Lane, Rgb};
+use crate::math::{Rgb, Simd};
 use crate::scene::{Camera, CameraRays, Material, Scene};
-pub use deal::{Deal, Group, Hand, Part, deal_cell};
-use engine::{Bundle, Tables};
-pub use engine::{FirstHits, Round};
 use lights::Lights;
-pub use record::{Escape, PathRecord, PathVertex};
+pub use pixel_groups::{Contribution, PixelBatch, PixelGrouping, ReuseGroup, group_cell};
+pub use reference::{Escape, PathRecord, PathVertex};
 use std::sync::Arc;
+pub use wavefront::{BatchOptions, FirstHits};
+use wavefront::{PathBatch, Tables};
 
 /// Longest path, a safety net: roulette ends paths long before unless the scene gains energy.
 /// Paths that it ends are counted, for they are a bias.
 pub const DEPTH_CAP: u32 = 1000;
 /// Largest throughput of a path, far above what any scene has that gives back no more light than it
 /// gets: in a closed room of more it grows without end, and so would the sums. Paths that reach it
-/// end there and are counted as well. With the brightest of lamps products stay below 1e31, of 3e38.
+/// end there and are counted as well. With the brightest of emitters products stay below 1e31, of 3e38.
 pub const THROUGHPUT_CAP: f32 = 1e12;
 
 /// How light is found at a surface. All three have the same mean; they differ in noise.
@@ -41,9 +38,9 @@ pub enum Strategy {
     /// Both ways below, weighed against each other.
     #[default]
     Mis,
-    /// Only by asking a light explicitly.
+    /// Only by sampling a light explicitly.
     LightOnly,
-    /// Only by meeting a light with a direction sampled from the BRDF.
+    /// Only by hitting a light with a direction sampled from the BRDF.
     BsdfOnly,
 }
 
@@ -69,10 +66,10 @@ impl Strategy {
         }
     }
 
-    /// Weight of a light met by a direction of density `pdf`, which asking would have found with
+    /// Weight of a light hit by a direction of density `pdf`, which light sampling would have found with
     /// density `other`.
     #[inline(always)]
-    fn met(self, pdf: f32, other: f32) -> f32 {
+    fn w_bsdf(self, pdf: f32, other: f32) -> f32 {
         match self {
             Strategy::Mis => power_heuristic(pdf, other),
             Strategy::LightOnly => 0.0,
@@ -80,10 +77,10 @@ impl Strategy {
         }
     }
 
-    /// Weight of a light asked with density `pdf`, which sampling the BRDF would have met with
+    /// Weight of a light sampled with density `pdf`, which sampling the BRDF would have hit with
     /// density `other`.
     #[inline(always)]
-    fn asked(self, pdf: f32, other: f32) -> f32 {
+    fn w_light(self, pdf: f32, other: f32) -> f32 {
         match self {
             Strategy::Mis => power_heuristic(pdf, other),
             Strategy::LightOnly => 1.0,
@@ -95,7 +92,7 @@ impl Strategy {
 /// The weight of a direction found with density `a` that another strategy finds with density `b`.
 /// The two weights of a pair sum to 1.
 #[inline(always)]
-fn power_heuristic<L: Lane>(a: L, b: L) -> L {
+fn power_heuristic<L: Simd>(a: L, b: L) -> L {
     let ratio = b / a;
     L::splat(1.0) / (L::splat(1.0) + ratio * ratio)
 }
@@ -120,14 +117,14 @@ pub struct Method {
 impl Method {
     /// Whether the reference tracer makes no exception for it. An erratum about another model is
     /// none, and Phong has one way to draw normals only.
-    fn is_right(&self, model: Model) -> bool {
+    fn is_correct(&self, model: Model) -> bool {
         let normals = self.normals == Normals::Visible || model == Model::Phong;
         normals && !self.erratum.is_some_and(|e| e.concerns(model))
     }
 
     /// Whether it is what the engine does.
     fn is_the_engines(&self, model: Model) -> bool {
-        self.is_right(model) && self.strategy == Strategy::Mis && !self.reference
+        self.is_correct(model) && self.strategy == Strategy::Mis && !self.reference
     }
 }
 
@@ -160,7 +157,7 @@ pub struct Tracer {
 
 #[derive(Clone, Copy, Debug)]
 struct Surface {
-    lobes: Lobes,
+    params: BrdfParams,
     emission: Rgb,
     emits: bool,
     reflects: bool,
@@ -170,36 +167,36 @@ struct Surface {
 #[derive(Clone, Debug)]
 pub struct Scratch {
     stack: Stack,
-    bundle: Box<Bundle>,
+    batch: Box<PathBatch>,
     /// Rays traced.
     pub rays: u64,
     /// Paths ended by [`DEPTH_CAP`] or [`THROUGHPUT_CAP`].
     pub capped: u64,
     /// What the engine has done.
-    pub effort: Effort,
+    pub counts: RayCounts,
 }
 
-/// What the engine does with a bundle, in this order but for going round from shading to tracing.
+/// What the engine does with a batch, in this order but for going round from shading to tracing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Camera rays.
     Start,
-    /// What rays meet: the nearest surface, fetched.
+    /// What rays hit: the nearest surface, fetched.
     Trace,
-    /// Scattering: materials, lights to ask, directions to go on.
+    /// Scattering: emission, light samples, directions to go on.
     Shade,
-    /// Whether lights are seen.
-    Ask,
-    /// Which first points see which second ones.
-    Join,
-    /// What second points send to first ones.
-    Share,
+    /// Shadow rays: whether sampled lights are visible.
+    Shadow,
+    /// Visibility between primary and reuse vertices.
+    Visibility,
+    /// Light gathered from reuse vertices at primary ones.
+    Gather,
 }
 
 impl Stage {
     /// All of them.
     pub const ALL: [Stage; 6] =
-        [Stage::Start, Stage::Trace, Stage::Shade, Stage::Ask, Stage::Join, Stage::Share];
+        [Stage::Start, Stage::Trace, Stage::Shade, Stage::Shadow, Stage::Visibility, Stage::Gather];
 
     /// Lower-case name.
     pub fn name(self) -> &'static str {
@@ -207,53 +204,53 @@ impl Stage {
             Stage::Start => "start",
             Stage::Trace => "trace",
             Stage::Shade => "shade",
-            Stage::Ask => "ask",
-            Stage::Join => "join",
-            Stage::Share => "share",
+            Stage::Shadow => "shadow",
+            Stage::Visibility => "visibility",
+            Stage::Gather => "gather",
         }
     }
 }
 
-/// Is told when a stage is over, and how many members of the bundle had part in it.
+/// Is told when a stage is over, and how many members of the batch had part in it.
 pub type Watch<'a> = &'a mut dyn FnMut(Stage, usize);
 
 /// What the engine has done, by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Effort {
+pub struct RayCounts {
     /// Rays for which the nearest surface was looked for, from the camera or a surface; each was
     /// then shaded.
     pub nearest: u64,
     /// Rays towards lights.
-    pub asked: u64,
-    /// Pairs of first and second points of paths that share.
+    pub shadow_rays: u64,
+    /// Pairs of first and reuse vertices of paths that share.
     pub pairs: u64,
     /// Evaluations of a specular lobe for those.
     pub glossy: u64,
     /// Rays between those that were traced.
-    pub joined: u64,
+    pub visibility_rays: u64,
     /// Spheres, cylinders and parts of the tree that these were held against.
-    pub held: u64,
+    pub visibility_tests: u64,
     /// Of those, the ones that went through the tree.
-    pub between: u64,
-    /// Rays of other kinds that went through the tree: that met its box, or for which the quick test
-    /// of the plates could not tell.
-    pub alone: u64,
+    pub pair_rays: u64,
+    /// Rays of other kinds that went through the tree: that hit its box, or for which the quick test
+    /// of the large quads could not tell.
+    pub tree_rays: u64,
 }
 
-impl Effort {
+impl RayCounts {
     /// What it costs, in about nanoseconds of one thread, in a scene of so many primitives: figures
     /// measured once, by `burnish report profile`, of which only the ratios matter.
     pub fn work(&self, primitives: usize) -> f64 {
         let tree = 5.6 * (primitives.max(1) as f64).powf(0.25);
         let prices = [
             (self.nearest, 55.0),
-            (self.asked, 20.0),
+            (self.shadow_rays, 20.0),
             (self.pairs, 1.4),
             (self.glossy, 4.0),
-            (self.joined, 1.6),
-            (self.held, 1.4),
-            (self.between, tree),
-            (self.alone, tree),
+            (self.visibility_rays, 1.6),
+            (self.visibility_tests, 1.4),
+            (self.pair_rays, tree),
+            (self.tree_rays, tree),
         ];
         prices.iter().map(|&(count, price)| count as f64 * price).sum()
     }
@@ -304,23 +301,23 @@ impl Tracer {
     /// Memory for one worker.
     pub fn scratch(&self) -> Scratch {
         let stack = self.scene.bvh().stack();
-        let effort = Effort::default();
-        Scratch { stack, bundle: Box::default(), rays: 0, capped: 0, effort }
+        let counts = RayCounts::default();
+        Scratch { stack, batch: Box::default(), rays: 0, capped: 0, counts }
     }
 }
 
 impl Surface {
     fn new(material: &Material) -> Surface {
-        let lobes = Lobes {
+        let params = BrdfParams {
             kd: material.kd.into(),
             ks: material.ks.into(),
-            width: material.roughness.into(),
+            roughness: material.roughness.into(),
         };
         Surface {
-            lobes,
+            params,
             emission: material.emission.into(),
             emits: material.emits(),
-            reflects: !(lobes.kd.is_black() && lobes.ks.is_black()),
+            reflects: !(params.kd.is_black() && params.ks.is_black()),
         }
     }
 }

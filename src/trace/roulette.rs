@@ -1,6 +1,6 @@
 //! When a path may end by chance.
 
-use crate::math::Lane;
+use crate::math::Simd;
 
 /// First scattering event after which a path may be ended.
 pub(super) const FROM: u32 = 1;
@@ -16,7 +16,7 @@ const ALWAYS_FROM: u32 = 8;
 
 /// The chance to go on after this event, for paths whose throughput's largest channel is this.
 #[inline(always)]
-pub(super) fn survival<L: Lane>(event: u32, throughput: L) -> L {
+pub(super) fn survival<L: Simd>(event: u32, throughput: L) -> L {
     let most = if event < ALWAYS_FROM { 1.0 } else { 1.0 - 2.0 / (event as f32 + 64.0) };
     (throughput * L::splat(MILDNESS)).min(L::splat(most))
 }

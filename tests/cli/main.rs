@@ -6,7 +6,7 @@ mod measure;
 mod outputs;
 mod sheet;
 
-use burnish::math::lanes::Isa;
+use burnish::math::simd::Isa;
 use image::GenericImageView;
 use serde_json::Value;
 use std::collections::HashMap;

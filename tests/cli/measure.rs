@@ -273,7 +273,8 @@ fn the_profile_says_where_the_time_went() {
         let cells: Vec<&str> = line[name.len()..].split_whitespace().collect();
         cells[0].parse::<f64>().unwrap()
     };
-    let stages = ["start", "trace", "shade", "ask", "join", "share", "dealing"].map(row);
+    let stages =
+        ["start", "trace", "shade", "shadow", "visibility", "gather", "grouping pixels"].map(row);
     assert!((stages.iter().sum::<f64>() - 100.0).abs() < 0.5, "{text}");
     assert!(row("nearest hit") > 1.0 && row("between points shared") > 1.0, "{text}");
     assert!(text.contains("lanes in use"), "{text}");

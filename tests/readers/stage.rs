@@ -3,7 +3,7 @@
 use super::{Read, triangles, warnings};
 use burnish::scene::read::{self, Memory, ReadOptions};
 use burnish::scene::write::scn;
-use burnish::scene::{Axis, SceneBuilder, Stage};
+use burnish::scene::{Axis, ModelStage, SceneBuilder};
 use glam::DVec3;
 
 /// A pyramid of base 2x2 and height 3, its tip along this axis of the file.
@@ -79,7 +79,7 @@ fn a_model_without_lights_is_put_on_a_stage() {
     let counts = scene.counts();
     assert_eq!((counts.triangles, counts.spheres, counts.cylinders), (3, 2, 1));
     let lights = scene.materials().iter().filter(|m| m.emits()).count();
-    assert_eq!((scene.materials().len(), lights), (1 + Stage::MATERIALS, 2));
+    assert_eq!((scene.materials().len(), lights), (1 + ModelStage::MATERIALS, 2));
     let ([low, high], [all_low, all_high]) = (scene.focus(), scene.bounds());
     assert!(all_low.cmplt(low).all() && high.cmplt(all_high).all());
     let stage = scene.stage().unwrap();

@@ -1,7 +1,7 @@
 //! The wrong models: each wraps a right one and overrides what the erratum is about.
 
-use crate::brdf::{Beckmann, Distribution, Ggx, Lobes, Microfacet, Model, Phong, Width};
-use crate::math::{Lane, V3};
+use crate::brdf::{Alpha, Beckmann, BrdfParams, FullNdf, Ggx, Microfacet, Model, Phong};
+use crate::math::{Simd, V3};
 use std::marker::PhantomData;
 
 /// How many times too large [`GgxDAlpha`] takes the alpha of the denominator.
@@ -42,29 +42,29 @@ macro_rules! right {
     ($inner:ty: $($item:ident)*) => { $(right!(@ $item $inner);)* };
     (@ d $inner:ty) => {
         #[inline(always)]
-        fn d<L: Lane>(width: Width<L>, h: V3<L>) -> L {
-            <$inner>::d(width, h)
+        fn d<L: Simd>(roughness: Alpha<L>, h: V3<L>) -> L {
+            <$inner>::d(roughness, h)
         }
     };
     (@ g1_over_cos $inner:ty) => {
         #[inline(always)]
-        fn g1_over_cos<L: Lane>(width: Width<L>, w: V3<L>) -> L {
-            <$inner>::g1_over_cos(width, w)
+        fn g1_over_cos<L: Simd>(roughness: Alpha<L>, w: V3<L>) -> L {
+            <$inner>::g1_over_cos(roughness, w)
         }
     };
     (@ sample_wm $inner:ty) => {
         #[inline(always)]
-        fn sample_wm<L: Lane>(width: Width<L>, wo: V3<L>, u: [L; 2]) -> V3<L> {
-            <$inner>::sample_wm(width, wo, u)
+        fn sample_wm<L: Simd>(roughness: Alpha<L>, wo: V3<L>, u: [L; 2]) -> V3<L> {
+            <$inner>::sample_wm(roughness, wo, u)
         }
     };
     (@ pdf $inner:ty) => {
         #[inline(always)]
-        fn pdf_factor<L: Lane>(width: Width<L>, wo: V3<L>) -> L {
-            <$inner>::pdf_factor(width, wo)
+        fn pdf_factor<L: Simd>(roughness: Alpha<L>, wo: V3<L>) -> L {
+            <$inner>::pdf_factor(roughness, wo)
         }
         #[inline(always)]
-        fn pdf_wi<L: Lane>(factor: L, d: L, cos_over_dot: L) -> L {
+        fn pdf_wi<L: Simd>(factor: L, d: L, cos_over_dot: L) -> L {
             <$inner>::pdf_wi(factor, d, cos_over_dot)
         }
     };
@@ -75,9 +75,9 @@ impl<M: Microfacet> Microfacet for GgxGSum<M> {
     right!(M: d sample_wm pdf);
 
     #[inline(always)]
-    fn g1_over_cos<L: Lane>(width: Width<L>, w: V3<L>) -> L {
+    fn g1_over_cos<L: Simd>(roughness: Alpha<L>, w: V3<L>) -> L {
         let (z2, across) = (w.z * w.z, w.x * w.x + w.y * w.y);
-        let sum = z2 * (L::splat(1.0) + width.alpha.sqr()) + across;
+        let sum = z2 * (L::splat(1.0) + roughness.alpha.sqr()) + across;
         L::splat(2.0) / (w.z + sum.sqrt())
     }
 }
@@ -87,21 +87,21 @@ impl<M: Microfacet> Microfacet for GgxDAlpha<M> {
     right!(M: g1_over_cos sample_wm pdf);
 
     #[inline(always)]
-    fn d<L: Lane>(width: Width<L>, h: V3<L>) -> L {
+    fn d<L: Simd>(roughness: Alpha<L>, h: V3<L>) -> L {
         // The D of the wider alpha, but for the alpha² before it.
-        let wide = Width { alpha: width.alpha * L::splat(ALPHA_FACTOR), ..width };
+        let wide = Alpha { alpha: roughness.alpha * L::splat(ALPHA_FACTOR), ..roughness };
         M::d(wide, h) * L::splat(1.0 / (ALPHA_FACTOR * ALPHA_FACTOR))
     }
 }
 
 impl Microfacet for BeckmannLog10 {
     const MODEL: Model = Model::Beckmann;
-    right!(Distribution<Beckmann>: d g1_over_cos pdf);
+    right!(FullNdf<Beckmann>: d g1_over_cos pdf);
 
     #[inline(always)]
-    fn sample_wm<L: Lane>(width: Width<L>, wo: V3<L>, u: [L; 2]) -> V3<L> {
-        let narrow = Width { alpha: width.alpha * L::splat(LOG10_WIDTH), ..width };
-        Distribution::<Beckmann>::sample_wm(narrow, wo, u)
+    fn sample_wm<L: Simd>(roughness: Alpha<L>, wo: V3<L>, u: [L; 2]) -> V3<L> {
+        let narrow = Alpha { alpha: roughness.alpha * L::splat(LOG10_WIDTH), ..roughness };
+        FullNdf::<Beckmann>::sample_wm(narrow, wo, u)
     }
 }
 
@@ -110,8 +110,8 @@ impl Microfacet for PhongExponent {
     right!(Phong: d g1_over_cos pdf);
 
     #[inline(always)]
-    fn sample_wm<L: Lane>(width: Width<L>, wo: V3<L>, u: [L; 2]) -> V3<L> {
-        Phong::sample_wm(Width { exponent: width.exponent - L::splat(1.0), ..width }, wo, u)
+    fn sample_wm<L: Simd>(roughness: Alpha<L>, wo: V3<L>, u: [L; 2]) -> V3<L> {
+        Phong::sample_wm(Alpha { exponent: roughness.exponent - L::splat(1.0), ..roughness }, wo, u)
     }
 }
 
@@ -120,35 +120,35 @@ impl<M: Microfacet> Microfacet for BelowHorizon<M> {
     right!(M: sample_wm);
 
     #[inline(always)]
-    fn cosine<L: Lane>(cos: L) -> L {
+    fn cosine<L: Simd>(cos: L) -> L {
         cos.abs()
     }
 
     #[inline(always)]
-    fn d<L: Lane>(width: Width<L>, h: V3<L>) -> L {
-        M::d(width, upwards(h))
+    fn d<L: Simd>(roughness: Alpha<L>, h: V3<L>) -> L {
+        M::d(roughness, upwards(h))
     }
 
     #[inline(always)]
-    fn g1_over_cos<L: Lane>(width: Width<L>, w: V3<L>) -> L {
-        let right = M::g1_over_cos(width, upwards(w));
+    fn g1_over_cos<L: Simd>(roughness: Alpha<L>, w: V3<L>) -> L {
+        let right = M::g1_over_cos(roughness, upwards(w));
         if M::MODEL == Model::Ggx {
             return right;
         }
         // The rational form at a = cot / alpha < 0, divided by |cos|.
-        let b = width.alpha * (w.x * w.x + w.y * w.y).sqrt();
+        let b = roughness.alpha * (w.x * w.x + w.y * w.y).sqrt();
         let numerator = L::splat(3.535) * b + L::splat(2.181) * w.z;
         let denominator = b * b + w.z * (L::splat(2.276) * b + L::splat(2.577) * w.z);
         L::select(w.z.lt(L::splat(0.0)), -(numerator / denominator), right)
     }
 
     #[inline(always)]
-    fn pdf_factor<L: Lane>(width: Width<L>, wo: V3<L>) -> L {
-        M::pdf_factor(width, upwards(wo))
+    fn pdf_factor<L: Simd>(roughness: Alpha<L>, wo: V3<L>) -> L {
+        M::pdf_factor(roughness, upwards(wo))
     }
 
     #[inline(always)]
-    fn pdf_wi<L: Lane>(factor: L, d: L, cos_over_dot: L) -> L {
+    fn pdf_wi<L: Simd>(factor: L, d: L, cos_over_dot: L) -> L {
         M::pdf_wi(factor, d, cos_over_dot.abs())
     }
 }
@@ -158,9 +158,9 @@ impl<M: Microfacet> Microfacet for ConstantLobeChoice<M> {
     right!(M: d g1_over_cos sample_wm pdf);
 
     #[inline(always)]
-    fn p_specular<L: Lane>(lobes: &Lobes<L>, _wo: V3<L>) -> L {
+    fn p_specular<L: Simd>(params: &BrdfParams<L>, _wo: V3<L>) -> L {
         let length = |r: L, g: L, b: L| (r * r + g * g + b * b).sqrt();
-        let (kd, ks) = (lobes.kd, lobes.ks);
+        let (kd, ks) = (params.kd, params.ks);
         let (kd, ks) = (length(kd.r, kd.g, kd.b), length(ks.r, ks.g, ks.b));
         // 0/0 is left out: it says nothing about the choice.
         (ks / (kd + ks)).or_zero(ks.gt(L::splat(0.0)))
@@ -169,6 +169,6 @@ impl<M: Microfacet> Microfacet for ConstantLobeChoice<M> {
 
 /// The direction or its mirror image, whichever is above the surface.
 #[inline(always)]
-fn upwards<L: Lane>(w: V3<L>) -> V3<L> {
+fn upwards<L: Simd>(w: V3<L>) -> V3<L> {
     V3::new(w.x, w.y, w.z.abs())
 }

@@ -2,7 +2,7 @@
 
 use super::roughness;
 use crate::cli::{Failure, values};
-use burnish::brdf::{Formulas, Lobes, Model, Normals};
+use burnish::brdf::{BrdfParams, Formulas, Model, Normals};
 use burnish::math::{Rgb, V3};
 use burnish::measure::check::{BATCHES, sampled_albedo};
 use std::io::Write;
@@ -44,13 +44,13 @@ pub(super) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
         for param in if model == Model::Phong { EXPONENTS } else { ALPHAS } {
             let roughness = roughness(model, param).map_err(Failure::new)?;
             for cos in COSINES {
-                let lobes = Lobes {
+                let params = BrdfParams {
                     kd: Rgb::splat(args.kd),
                     ks: Rgb::splat(args.ks),
-                    width: roughness.into(),
+                    roughness: roughness.into(),
                 };
                 let wo = V3::new((1.0 - cos * cos).sqrt() as f32, 0.0, cos as f32);
-                let batches = sampled_albedo(&formulas, &lobes, wo, args.seed, row, per_batch);
+                let batches = sampled_albedo(&formulas, &params, wo, args.seed, row, per_batch);
                 let (mean, error) = mean_and_error(batches);
                 let (name, alpha) = (model.name(), roughness.alpha());
                 let samples = per_batch * u64::from(BATCHES);

@@ -2,7 +2,7 @@
 
 use super::roughness;
 use crate::cli::Failure;
-use burnish::brdf::{Evaluation, Lobes, Microfacet, Model, ModelVisitor, Terms};
+use burnish::brdf::{BrdfParams, Evaluation, Microfacet, Model, ModelVisitor, Terms};
 use burnish::limits::{Bytes, TABLE_BYTES};
 use burnish::math::{Rgb, V3};
 use burnish::plain;
@@ -104,7 +104,7 @@ fn columns(header: &StringRecord) -> Result<[usize; 10], String> {
 /// One question.
 struct Row {
     model: Model,
-    lobes: Lobes,
+    params: BrdfParams,
     wo: V3,
     wi: V3,
 }
@@ -141,8 +141,9 @@ impl Row {
             format!("column model: expected one of {known}, not `{}`", plain::start(text(0)))
         })?;
         let roughness = roughness(model, number(1)?).map_err(|e| format!("column param: {e}"))?;
-        let lobes = Lobes { kd: reflectance(8)?, ks: reflectance(9)?, width: roughness.into() };
-        Ok(Row { model, lobes, wi: direction(2)?, wo: direction(5)? })
+        let params =
+            BrdfParams { kd: reflectance(8)?, ks: reflectance(9)?, roughness: roughness.into() };
+        Ok(Row { model, params, wi: direction(2)?, wo: direction(5)? })
     }
 }
 
@@ -153,8 +154,8 @@ impl ModelVisitor for &Row {
     type Output = [f32; 12];
     /// The values of `OUTPUTS`.
     fn visit<M: Microfacet>(self) -> [f32; 12] {
-        let Evaluation { f, pdf } = self.lobes.eval::<M>(self.wo, self.wi);
-        let t: Terms = self.lobes.terms::<M>(self.wo, self.wi);
+        let Evaluation { f, pdf } = self.params.eval::<M>(self.wo, self.wi);
+        let t: Terms = self.params.terms::<M>(self.wo, self.wi);
         let fcos = f.r * self.wi.z.max(0.0);
         [
             t.d,

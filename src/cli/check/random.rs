@@ -2,7 +2,7 @@
 
 use crate::cli::{Failure, print, say};
 use burnish::measure::random::{
-    self, Budget, LOOKS, Outcome, REGIONS, RandomScene, SUSPECT, Verdict,
+    self, Budget, JudgedScene, LOOKS, REGIONS, RandomScene, SUSPECT, Verdict,
 };
 use std::ops::Range;
 
@@ -84,7 +84,7 @@ pub(super) fn some(seeds: Range<u64>, told: bool) -> Result<usize, Failure> {
     Ok(failed + usize::from(!summary.pooled_holds()))
 }
 
-fn row(o: &Outcome) -> Result<(), Failure> {
+fn row(o: &JudgedScene) -> Result<(), Failure> {
     let first = o.first();
     let [same, part] = o.same_numbers();
     let (region, effect) = match o.worst() {

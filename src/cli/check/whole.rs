@@ -3,7 +3,7 @@
 
 use crate::cli::{Failure, print, say};
 use burnish::measure::calibrate::Renders;
-use burnish::measure::exact::{self, Budget, Outcome, Table, Verdict};
+use burnish::measure::exact::{self, CaseBudget, CaseOutcome, CaseTable, CaseVerdict};
 use burnish::progressive::Params;
 use burnish::scene::builtin::Example;
 use std::ops::Range;
@@ -16,7 +16,7 @@ pub(super) const DRAWN: Range<u64> = 0..308;
 pub(super) fn exact_scenes() -> Result<usize, Failure> {
     print("Scenes whose answer is known: within 4 standard errors and 0.1 %")?;
     let table = exact::all().map_err(Failure::new)?;
-    figures(table, Budget::FULL, true, false)
+    figures(table, CaseBudget::FULL, true, false)
 }
 
 /// The same of scenes drawn at random, of which those are told that do not agree, or all.
@@ -28,10 +28,10 @@ pub(super) fn drawn_scenes(seeds: Range<u64>, all: bool) -> Result<usize, Failur
         if all { "" } else { ", those that do not agree" }
     ))?;
     let table = exact::drawn(seeds).map_err(Failure::new)?;
-    figures(table, Budget::DRAWN, all, true)
+    figures(table, CaseBudget::DRAWN, all, true)
 }
 
-fn figures(table: Table, budget: Budget, all: bool, drawn: bool) -> Result<usize, Failure> {
+fn figures(table: CaseTable, budget: CaseBudget, all: bool, drawn: bool) -> Result<usize, Failure> {
     print(format_args!(
         "  {:<14}{:<20}{:<14}{:>12}{:>12}{:>11}{:>8}{:>11}  verdict",
         "scene", "kind", "quantity", "expected", "mean", "std. error", "sigmas", "relative"
@@ -44,7 +44,7 @@ fn figures(table: Table, budget: Budget, all: bool, drawn: bool) -> Result<usize
         if done % 50 == 0 {
             say(format_args!("scenes whose answer is known: {done} of {count}"));
         }
-        if told.is_ok() && (all || o.verdict != Verdict::Agrees) {
+        if told.is_ok() && (all || o.verdict != CaseVerdict::Agrees) {
             told = figure(o, drawn);
         }
     });
@@ -62,11 +62,11 @@ fn figures(table: Table, budget: Budget, all: bool, drawn: bool) -> Result<usize
     Ok(failed + usize::from(nonfinite > 0))
 }
 
-fn figure(o: &Outcome, drawn: bool) -> Result<(), Failure> {
+fn figure(o: &CaseOutcome, drawn: bool) -> Result<(), Failure> {
     let verdict = match o.verdict {
-        Verdict::Agrees => "agrees",
-        Verdict::Differs => "DIFFERS",
-        Verdict::Unresolved => "UNRESOLVED: too noisy to tell",
+        CaseVerdict::Agrees => "agrees",
+        CaseVerdict::Differs => "DIFFERS",
+        CaseVerdict::Unresolved => "UNRESOLVED: too noisy to tell",
     };
     print(format_args!(
         "  {:<14}{:<20}{:<14}{:>12.5e}{:>12.5e}{:>11.1e}{:>8.2}{:>11.1e}  {verdict}",
@@ -80,7 +80,7 @@ fn figure(o: &Outcome, drawn: bool) -> Result<(), Failure> {
         o.relative_error,
     ))?;
     match o.verdict {
-        Verdict::Agrees => Ok(()),
+        CaseVerdict::Agrees => Ok(()),
         _ if drawn => print(format_args!("    {}", o.case.description())),
         _ => Ok(()),
     }

@@ -54,24 +54,24 @@ fn measure(args: &Args, path: Option<&Path>) -> Result<(), Failure> {
             percent(share),
             format!("{:.1}", nanoseconds(share)),
             format!("{:.2}", cost.members as f64 / paths),
-            // Those go through the second points one by one, with a group's first points in lanes.
+            // Those go through the reuse vertices one by one, with a group's primary vertices in SIMD lanes.
             match stage {
-                Stage::Join | Stage::Share => String::new(),
+                Stage::Visibility | Stage::Gather => String::new(),
                 _ => percent(cost.members as f64 / cost.lanes.max(1) as f64),
             },
         ]);
     }
     let rest = rest.max(0.0);
     let others = format!("{:.1}", nanoseconds(rest));
-    stages.row(["dealing".into(), percent(rest), others, "".into(), "".into()]);
-    let effort = profile.effort;
+    stages.row(["grouping pixels".into(), percent(rest), others, "".into(), "".into()]);
+    let counts = profile.counts;
     let mut rays = Table::new(&["rays", "a path"]);
     for (name, count) in [
-        ("nearest hit", effort.nearest),
-        ("towards lights", effort.asked),
-        ("between points shared", effort.joined),
-        ("of those, through the tree", effort.between),
-        ("of the others, through it", effort.alone),
+        ("nearest hit", counts.nearest),
+        ("towards lights", counts.shadow_rays),
+        ("between points shared", counts.visibility_rays),
+        ("of those, through the tree", counts.pair_rays),
+        ("of the others, through it", counts.tree_rays),
     ] {
         rays.row([name.into(), format!("{:.2}", count as f64 / paths)]);
     }

@@ -6,8 +6,10 @@ use crate::cli::values::{self, Chosen, chosen};
 use crate::cli::{Failure, print, say, scene, stats};
 use burnish::brdf::{Model, Normals};
 use burnish::measure::error::{REL_RMSE, Reference};
-use burnish::measure::plot::{Curve, Dot, Panel, log_log};
-use burnish::measure::speed::{Checkpoint, Experiment, Plan, Stage, Summary, Truth, Variant};
+use burnish::measure::plot::{Dot, Panel, PlotCurve, log_log};
+use burnish::measure::speed::{
+    Checkpoint, SpeedExperiment, SpeedPlan, SpeedStage, Summary, Truth, Variant,
+};
 use burnish::picture::{read_exr, replace_file};
 use burnish::plain;
 use burnish::progressive::{Params, Session, Strategy};
@@ -72,10 +74,10 @@ pub(super) struct Args {
 /// What came of one scene.
 pub(super) struct Measured {
     pub(super) scene: String,
-    pub(super) plan: Plan,
+    pub(super) plan: SpeedPlan,
     /// What was held to be right, in words.
     pub(super) truth: String,
-    pub(super) experiment: Experiment,
+    pub(super) experiment: SpeedExperiment,
     pub(super) summaries: Vec<Summary>,
     /// Most memory the program held so far, in MiB, where the system tells.
     pub(super) peak_mib: Option<f64>,
@@ -116,9 +118,11 @@ fn measure(args: &Args, path: Option<&Path>) -> Result<Measured, Failure> {
     let plan = args.plan(Params::new(scene.clone()));
     let (truth, words) = args.truth(plan.base.size)?;
     let watch = |stage| match stage {
-        Stage::Reference(model) => say(format_args!("reference for {}: {words}", model.title())),
-        Stage::WarmUp => say("warm-up"),
-        Stage::Repeat(n) => say(format_args!("repeat {} of {}", n + 1, plan.repeats)),
+        SpeedStage::Reference(model) => {
+            say(format_args!("reference for {}: {words}", model.title()))
+        }
+        SpeedStage::WarmUp => say("warm-up"),
+        SpeedStage::Repeat(n) => say(format_args!("repeat {} of {}", n + 1, plan.repeats)),
     };
     let experiment = plan.run(&truth, watch).map_err(Failure::new)?;
     Ok(Measured {
@@ -132,8 +136,8 @@ fn measure(args: &Args, path: Option<&Path>) -> Result<Measured, Failure> {
 }
 
 impl Args {
-    fn plan(&self, base: Params) -> Plan {
-        Plan {
+    fn plan(&self, base: Params) -> SpeedPlan {
+        SpeedPlan {
             variants: Variant::all(&self.model.0, &self.strategy.0, &self.normals.0),
             base: Params { size: self.size, seed: self.repeats.seed, ..base },
             passes: self.passes,
@@ -178,7 +182,7 @@ fn panel(measured: &Measured) -> Panel {
     let curve = |summary: &Summary| {
         let Variant { model, strategy, normals, engine } = summary.variant;
         let of_strategy = Strategy::ALL.iter().position(|s| *s == strategy).unwrap_or(0);
-        Curve {
+        PlotCurve {
             label: summary.variant.title(),
             colour: if engine { Strategy::ALL.len() } else { of_strategy },
             mark: Model::ALL.iter().position(|m| *m == model).unwrap_or(0),

@@ -1,11 +1,11 @@
 //! The search for primitives that coincide.
 //!
-//! The tree is held against itself: two branches go on together while their boxes meet and what
+//! The tree is held against itself: two branches go on together while their boxes hit and what
 //! they hold could matter, which it does not where all of it is of one material that does not emit.
 
 use super::Coincident;
 use super::overlap::coincide;
-use crate::geometry::bvh::{Bvh, Child, Node, child, primitive_bounds};
+use crate::geometry::accel::{Bvh, Child, Node, child, primitive_bounds};
 use crate::geometry::{Geometry, Kind};
 use crate::math::V3;
 
@@ -22,7 +22,7 @@ pub(crate) fn find(bvh: &Bvh, geometry: &Geometry, emits: &dyn Fn(u32) -> bool) 
     let kinds = vec![Kinds::NONE; bvh.nodes.len()];
     let mut search = Search { bvh, geometry, emits, kinds, steps, found: Vec::new() };
     // What is not in the tree.
-    let large: Vec<u32> = bvh.plates.triangles().chain(bvh.quadrics.primitives()).collect();
+    let large: Vec<u32> = bvh.quads.triangles().chain(bvh.analytic.primitives()).collect();
     for (i, &a) in large.iter().enumerate() {
         for &b in &large[i + 1..] {
             search.compare(a, b);
@@ -86,11 +86,11 @@ impl Search<'_> {
     /// The primitives of a leaf.
     fn leaf(&self, word: u32) -> ([u32; 8], usize) {
         match child(word) {
-            Child::Pack(index) => {
+            Child::Triangles(index) => {
                 let ids = self.bvh.packs[index].id;
                 (ids, ids.iter().take_while(|&&id| id != u32::MAX).count())
             }
-            Child::Quadric(primitive) => ([primitive; 8], 1),
+            Child::Analytic(primitive) => ([primitive; 8], 1),
             Child::Node(_) => ([u32::MAX; 8], 0),
         }
     }
@@ -147,7 +147,7 @@ impl Search<'_> {
 
     /// All pairs of one in each of two branches, which have these boxes.
     fn branches(&mut self, [a, b]: [u32; 2], [box_a, box_b]: [[V3; 2]; 2]) {
-        let apart = !meet(grown(box_a), box_b);
+        let apart = !may_hit(grown(box_a), box_b);
         if apart || self.kinds(a).are_one(self.kinds(b)) || !self.step() {
             return;
         }
@@ -163,7 +163,7 @@ impl Search<'_> {
                 let (ids, count) = self.leaf(a);
                 for &id in &ids[..count] {
                     let bounds = grown(primitive_bounds(self.geometry, id));
-                    if meet(bounds, box_b) {
+                    if may_hit(bounds, box_b) {
                         self.one_with(id, bounds, b);
                     }
                 }
@@ -178,14 +178,14 @@ impl Search<'_> {
         }
         if let Child::Node(index) = child(word) {
             let node = &self.bvh.nodes[index];
-            for i in children(node).filter(|&i| meet(reach, bounds(node, i))) {
+            for i in children(node).filter(|&i| may_hit(reach, bounds(node, i))) {
                 self.one_with(primitive, reach, node.child[i]);
             }
             return;
         }
         let (ids, count) = self.leaf(word);
         for &other in &ids[..count] {
-            if meet(reach, primitive_bounds(self.geometry, other)) {
+            if may_hit(reach, primitive_bounds(self.geometry, other)) {
                 self.compare(primitive, other);
             }
         }
@@ -219,6 +219,6 @@ fn grown([low, high]: [V3; 2]) -> [V3; 2] {
     [low - margin, high + margin]
 }
 
-fn meet([a, b]: [V3; 2], [c, d]: [V3; 2]) -> bool {
+fn may_hit([a, b]: [V3; 2], [c, d]: [V3; 2]) -> bool {
     a.x <= d.x && a.y <= d.y && a.z <= d.z && c.x <= b.x && c.y <= b.y && c.z <= b.z
 }

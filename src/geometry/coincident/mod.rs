@@ -1,10 +1,10 @@
 //! Surfaces that coincide: which one of them is there.
 //!
-//! A lamp in the plane of the ceiling, a decal on a wall, a disk that stands on the floor: two
-//! surfaces that share an area are met at distances that differ by rounding alone, and which of them
+//! An emitter in the plane of the ceiling, a decal on a wall, a disk that stands on the floor: two
+//! surfaces that share an area are hit at distances that differ by rounding alone, and which of them
 //! a ray finds would be chance. **The rule, for every ray:** where surfaces coincide, one that emits
 //! is in front; of several alike the one with the lowest primitive index, which is the first in the
-//! file among triangles, among spheres and among cylinders. What is behind is not there: rays meet
+//! file among triangles, among spheres and among cylinders. What is behind is not there: rays hit
 //! the one in front, and no point of the one behind is sampled as a light. So sampling lights,
 //! sampling the BRDF and both together have one mean.
 //!
@@ -14,18 +14,18 @@
 mod find;
 mod overlap;
 
-use super::bvh::primitive_bounds;
-use super::offset::ROUNDING;
-use super::triangle::{self, Pack, Sheared};
+use super::accel::primitive_bounds;
+use super::ray_origin::UNIT_ROUNDOFF;
+use super::triangle::{self, ShearedRay, TrianglePack8};
 use super::{Geometry, Hit, Kind, Ray};
 use crate::math::V3;
-use crate::math::lanes::{F32x8, Wide};
+use crate::math::simd::{F32x8, Simd8};
 pub(crate) use find::find;
 use overlap::APART;
 
-/// How far from a surface a point that was computed on it may be: so many roundings of the largest
+/// How far from a surface a point that was computed on it may be: so many unit roundoffs of the largest
 /// number that took part.
-const NEAR: f32 = 96.0 * ROUNDING;
+const NEAR: f32 = 96.0 * UNIT_ROUNDOFF;
 
 /// What is in front of which primitives, where they coincide.
 #[derive(Clone, Debug, Default)]
@@ -97,7 +97,7 @@ impl Coincident {
             .flat_map(|&(behind, _)| self.fronts(behind).iter().map(move |&front| [front, behind]))
     }
 
-    /// What is in front where a ray met something.
+    /// What is in front where a ray hit something.
     #[cold]
     #[inline(never)]
     pub(super) fn foremost(&self, geometry: &Geometry, ray: &Ray, hit: Hit) -> Hit {
@@ -109,7 +109,7 @@ impl Coincident {
         let largest = p.abs().max_component().max(ray.o.abs().max_component()).max(1.0);
         let near = NEAR * largest;
         let is_triangle = matches!(geometry.kind(hit.primitive), Kind::Triangle(_));
-        let sheared = Sheared::new(ray.o, ray.d);
+        let sheared = ShearedRay::new(ray.o, ray.d);
         let met = |&front: &u32| match geometry.kind(front) {
             Kind::Triangle(_) => {
                 let (t, b) = through(geometry, front, &sheared)?;
@@ -128,7 +128,7 @@ impl Coincident {
         let is_triangle = matches!(geometry.kind(primitive), Kind::Triangle(_));
         let covers = |&front: &u32| match geometry.kind(front) {
             Kind::Triangle(_) => {
-                let across = Sheared::new(p + ng, -ng);
+                let across = ShearedRay::new(p + ng, -ng);
                 let here = is_triangle || off_plane(geometry, front, p) <= NEAR;
                 here && through(geometry, front, &across).is_some()
             }
@@ -141,8 +141,8 @@ impl Coincident {
 }
 
 /// Distance and weights of a triangle that a ray passes through.
-fn through(geometry: &Geometry, triangle: u32, ray: &Sheared) -> Option<(f32, [f32; 2])> {
-    let pack = Pack::of(geometry, &[triangle]);
+fn through(geometry: &Geometry, triangle: u32, ray: &ShearedRay) -> Option<(f32, [f32; 2])> {
+    let pack = TrianglePack8::of(geometry, &[triangle]);
     let hits = triangle::intersect::<F32x8>(&pack, ray, f32::INFINITY)?;
     (hits.mask & 1 != 0).then(|| (hits.t.store()[0], hits.b.map(|b| b.store()[0])))
 }

@@ -3,39 +3,39 @@
 
 use super::code::Code;
 use super::quadrature::gauss;
-use super::reference::Reference;
+use super::reference::ReferenceBrdf;
 use super::statistics::Random;
-use super::{Proof, Work};
-use crate::brdf::{Lobes, Roughness, Width};
+use super::{Proof, ProofWork};
+use crate::brdf::{Alpha, BrdfParams, Roughness};
 use crate::math::{Rgb, V3};
 use std::f64::consts::{PI, TAU};
 
 /// All of them, in the order in which they are shown.
-pub(super) fn prove(work: &mut Work) {
-    let (code, width) = (work.code, work.width);
-    let lobe = Reference::of_width(work.subject.model, width);
-    work.add(normalisation(&code, width));
-    work.add(distribution(&code, width, &lobe));
-    work.add(limits(&code, width));
-    work.add(range(&code, width));
-    work.add(masking(&code, width, &lobe));
+pub(super) fn prove(work: &mut ProofWork) {
+    let (code, roughness) = (work.code, work.roughness);
+    let lobe = ReferenceBrdf::of_width(work.subject.model, roughness);
+    work.add(normalisation(&code, roughness));
+    work.add(distribution(&code, roughness, &lobe));
+    work.add(limits(&code, roughness));
+    work.add(range(&code, roughness));
+    work.add(masking(&code, roughness, &lobe));
     let pairs = pairs(&lobe, if work.full { 200_000 } else { 4_000 });
-    work.add(value(&code, width, &lobe, &pairs));
-    work.add(reciprocity(&code, width, &pairs));
-    work.add(horizon(&code, width, &pairs));
+    work.add(value(&code, roughness, &lobe, &pairs));
+    work.add(reciprocity(&code, roughness, &pairs));
+    work.add(horizon(&code, roughness, &pairs));
     work.add(frame(&code));
 }
 
-fn normalisation(code: &Code, width: Width) -> Proof {
+fn normalisation(code: &Code, roughness: Alpha) -> Proof {
     // With x = tan²: pi times the integral of D / (1 + x)², over the logarithm of x / alpha².
     let points = gauss(8);
-    let a2 = f64::from(width.alpha).powi(2);
+    let a2 = f64::from(roughness.alpha).powi(2);
     let (low, panels) = (-30.0, 60);
     let mut sum = 0.0;
     for panel in 0..panels {
         for &[place, weight] in &points {
             let x = a2 * (low + f64::from(panel) + place).exp();
-            let d = (code.d)(width, V3::new(x.sqrt() as f32, 0.0, 1.0));
+            let d = (code.d)(roughness, V3::new(x.sqrt() as f32, 0.0, 1.0));
             sum += weight * PI * f64::from(d) * x / ((1.0 + x) * (1.0 + x));
         }
     }
@@ -43,13 +43,13 @@ fn normalisation(code: &Code, width: Width) -> Proof {
     Proof::at_most("normalisation of D", says, (sum - 1.0).abs(), 1e-5)
 }
 
-fn distribution(code: &Code, width: Width, lobe: &Reference) -> Proof {
+fn distribution(code: &Code, roughness: Alpha, lobe: &ReferenceBrdf) -> Proof {
     let worst = (0..2000).map(|i| {
         // Out to where D is 1e-30 of its peak, and to a normal within 1e-6 of the surface.
         let tan = lobe.alpha * 1e-3 * 1e9f64.powf(f64::from(i) / 2000.0);
         let phi = 2.4 * f64::from(i);
         let h = V3::new((tan * phi.cos()) as f32, (tan * phi.sin()) as f32, 1.0);
-        relative((code.d)(width, h), lobe.d(across2(h)))
+        relative((code.d)(roughness, h), lobe.d(across2(h)))
     });
     Proof::at_most("value of D", "D is the textbook's at every angle, relative", most(worst), 1e-4)
 }
@@ -59,11 +59,11 @@ fn across2(h: V3) -> f64 {
     f64::from(h.x).powi(2) + f64::from(h.y).powi(2)
 }
 
-fn limits(code: &Code, width: Width) -> Proof {
+fn limits(code: &Code, roughness: Alpha) -> Proof {
     let up = V3::new(0.0, 0.0, 1.0);
-    let above = f64::from((code.g1_over_cos)(width, up)) - 1.0;
+    let above = f64::from((code.g1_over_cos)(roughness, up)) - 1.0;
     let [least, _] = Roughness::ALPHA;
-    let smooth = Width { alpha: least as f32, exponent: (2.0 / (least * least) - 2.0) as f32 };
+    let smooth = Alpha { alpha: least as f32, exponent: (2.0 / (least * least) - 2.0) as f32 };
     let smooth = (0..=80).map(|degrees| {
         let w = direction(f64::from(degrees).to_radians().cos(), 0.7);
         f64::from((code.g1_over_cos)(smooth, w) * w.z) - 1.0
@@ -73,22 +73,22 @@ fn limits(code: &Code, width: Width) -> Proof {
     Proof::at_most("limits of G", says, worst, 1e-5)
 }
 
-fn range(code: &Code, width: Width) -> Proof {
+fn range(code: &Code, roughness: Alpha) -> Proof {
     let outside = cosines().map(|cos| {
         let w = direction(cos, 0.3);
-        let g = f64::from((code.g1_over_cos)(width, w) * w.z);
+        let g = f64::from((code.g1_over_cos)(roughness, w) * w.z);
         (-g).max(g - 1.0).max(0.0)
     });
     // The rational form exceeds 1 by 6.1e-5 just below its joint, as printed.
     Proof::at_most("range of G", "G1 leaves [0, 1] by no more than this", most(outside), 1e-4)
 }
 
-fn masking(code: &Code, width: Width, lobe: &Reference) -> Proof {
+fn masking(code: &Code, roughness: Alpha, lobe: &ReferenceBrdf) -> Proof {
     let off = cosines().map(|cos| {
         let w = direction(cos, 1.1);
         let sin = across2(w).sqrt();
         let z = f64::from(w.z);
-        relative((code.g1_over_cos)(width, w), lobe.g1(z, sin) / z)
+        relative((code.g1_over_cos)(roughness, w), lobe.g1(z, sin) / z)
     });
     // At the joint the two sides differ by 5.7e-5, and rounding decides.
     Proof::at_most("value of G", "G1 is the textbook's down to a cosine of 1e-7", most(off), 1e-4)
@@ -100,11 +100,11 @@ fn cosines() -> impl Iterator<Item = f64> {
     even.chain((0..=700).map(|i| 10f64.powf(-f64::from(i) / 100.0)))
 }
 
-fn value(code: &Code, width: Width, lobe: &Reference, pairs: &[[V3; 2]]) -> Proof {
+fn value(code: &Code, roughness: Alpha, lobe: &ReferenceBrdf, pairs: &[[V3; 2]]) -> Proof {
     let off = pairs.iter().enumerate().map(|(i, &[wo, wi])| {
-        let lobes = grey([0.0, 0.4][i % 2], [1.0, 0.3, 0.04][i % 3], width);
-        let (kd, ks) = (f64::from(lobes.kd.r), f64::from(lobes.ks.r));
-        let (got, expected) = (eval(code, &lobes, wo, wi).0, lobe.f(kd, ks, wide(wo), wide(wi)));
+        let params = grey([0.0, 0.4][i % 2], [1.0, 0.3, 0.04][i % 3], roughness);
+        let (kd, ks) = (f64::from(params.kd.r), f64::from(params.ks.r));
+        let (got, expected) = (eval(code, &params, wo, wi).0, lobe.f(kd, ks, wide(wo), wide(wi)));
         // Where single precision has no number left for D there may be no light, at grazing cosines
         // however much the formula makes of it.
         let h = wo + wi;
@@ -115,10 +115,10 @@ fn value(code: &Code, width: Width, lobe: &Reference, pairs: &[[V3; 2]]) -> Proo
     Proof::at_most("value of f", says, most(off), 1e-4)
 }
 
-fn reciprocity(code: &Code, width: Width, pairs: &[[V3; 2]]) -> Proof {
-    let lobes = grey(0.3, 0.5, width);
+fn reciprocity(code: &Code, roughness: Alpha, pairs: &[[V3; 2]]) -> Proof {
+    let params = grey(0.3, 0.5, roughness);
     let ulps = pairs.iter().map(|&[wo, wi]| {
-        let [a, b] = [eval(code, &lobes, wo, wi).0, eval(code, &lobes, wi, wo).0];
+        let [a, b] = [eval(code, &params, wo, wi).0, eval(code, &params, wi, wo).0];
         let finite = a.is_finite() && b.is_finite();
         let steps = i64::from(a.to_bits()) - i64::from(b.to_bits());
         if finite { steps.abs() as f64 } else { f64::NAN }
@@ -127,21 +127,21 @@ fn reciprocity(code: &Code, width: Width, pairs: &[[V3; 2]]) -> Proof {
     Proof::at_most("reciprocity", says, most(ulps), 2.0)
 }
 
-fn horizon(code: &Code, width: Width, pairs: &[[V3; 2]]) -> Proof {
-    let lobes = grey(0.3, 0.5, width);
+fn horizon(code: &Code, roughness: Alpha, pairs: &[[V3; 2]]) -> Proof {
+    let params = grey(0.3, 0.5, roughness);
     let under = |w: V3| V3::new(w.x, w.y, -w.z);
     let flat = |w: V3| V3::new(w.x, w.y, 0.0);
     let mut lit = 0;
     for &[wo, wi] in pairs {
         for (wo, wi) in [(wo, under(wi)), (under(wo), wi), (under(wo), under(wi)), (wo, flat(wi))] {
-            lit += usize::from(eval(code, &lobes, wo, wi) != (0.0, 0.0));
+            lit += usize::from(eval(code, &params, wo, wi) != (0.0, 0.0));
         }
     }
     let mut random = Random::new(5);
     for i in 0..pairs.len() {
         let wo = direction(10f64.powf(-f64::from(i as u32 % 7)), 0.2);
-        let view = (code.formulas.seen_from)(&lobes, wo);
-        let sample = (code.formulas.sample)(&view, random.pair()[0], random.pair());
+        let brdf = (code.formulas.at_wo)(&params, wo);
+        let sample = (code.formulas.sample)(&brdf, random.pair()[0], random.pair());
         let told_apart = sample.pdf > 0.0 && sample.wi.z <= 0.0;
         lit += usize::from(told_apart);
     }
@@ -154,7 +154,7 @@ fn frame(code: &Code) -> Proof {
         let z = 1.0 - (f64::from(i) + 0.5) / 1000.0;
         (z, 2.4 * f64::from(i))
     });
-    // Around both poles: within rounding, within a lobe's width, within degrees.
+    // Around both poles: within rounding, within a lobe's roughness, within degrees.
     let poles = (0..240u32).map(|i| {
         let tilt = 10f64.powf(-f64::from(i / 2 % 30) / 4.0 - 0.5);
         (if i % 2 == 0 { tilt.cos() } else { -tilt.cos() }, f64::from(i))
@@ -179,7 +179,7 @@ fn frame(code: &Code) -> Proof {
 
 /// Pairs of directions above the surface: a third reflected at normals drawn from the lobe, a third
 /// anywhere, a third with one or both grazing down to a cosine of 1e-6.
-fn pairs(lobe: &Reference, count: usize) -> Vec<[V3; 2]> {
+fn pairs(lobe: &ReferenceBrdf, count: usize) -> Vec<[V3; 2]> {
     let mut random = Random::new(4);
     let mut pairs = Vec::with_capacity(count);
     while pairs.len() < count {
@@ -221,14 +221,14 @@ pub(super) fn direction(cos: f64, phi: f64) -> V3 {
 }
 
 /// Grey lobes.
-pub(super) fn grey(kd: f32, ks: f32, width: Width) -> Lobes {
-    Lobes { kd: Rgb::splat(kd), ks: Rgb::splat(ks), width }
+pub(super) fn grey(kd: f32, ks: f32, roughness: Alpha) -> BrdfParams {
+    BrdfParams { kd: Rgb::splat(kd), ks: Rgb::splat(ks), roughness: roughness }
 }
 
 /// f and density.
-fn eval(code: &Code, lobes: &Lobes, wo: V3, wi: V3) -> (f32, f32) {
-    let view = (code.formulas.seen_from)(lobes, wo);
-    let e = (code.formulas.eval)(&view, wi);
+fn eval(code: &Code, params: &BrdfParams, wo: V3, wi: V3) -> (f32, f32) {
+    let brdf = (code.formulas.at_wo)(params, wo);
+    let e = (code.formulas.eval)(&brdf, wi);
     (e.f.r, e.pdf)
 }
 

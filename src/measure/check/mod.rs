@@ -23,7 +23,7 @@ mod statistics;
 
 pub use sampling::{BATCHES, sampled_albedo};
 
-use crate::brdf::{Erratum, Model, Normals, Roughness, Width};
+use crate::brdf::{Alpha, Erratum, Model, Normals, Roughness};
 use crate::progressive::ParamsError;
 use crate::scene::{CameraError, MaterialError, ShapeError};
 use code::Code;
@@ -124,10 +124,10 @@ pub enum CheckError {
 /// All proofs of a subject, in the order in which they are to be read. `threads` worker threads
 /// render (0 for one a core); the figures do not depend on them.
 pub fn prove(subject: Subject, effort: Effort, threads: usize) -> Result<Vec<Proof>, CheckError> {
-    let mut work = Work {
+    let mut work = ProofWork {
         subject,
         code: Code::of(subject.model, subject.normals, subject.erratum),
-        width: subject.roughness.into(),
+        roughness: subject.roughness.into(),
         full: effort == Effort::Full,
         threads,
         strange: 0,
@@ -160,10 +160,10 @@ pub fn finds(erratum: Erratum) -> Option<&'static str> {
 }
 
 /// What the proofs share.
-struct Work {
+struct ProofWork {
     subject: Subject,
     code: Code,
-    width: Width,
+    roughness: Alpha,
     full: bool,
     threads: usize,
     /// Numbers met that are not finite, or below 0.
@@ -171,7 +171,7 @@ struct Work {
     proofs: Vec<Proof>,
 }
 
-impl Work {
+impl ProofWork {
     fn add(&mut self, proof: Proof) {
         self.proofs.push(proof);
     }

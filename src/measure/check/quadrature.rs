@@ -4,7 +4,7 @@
 //! `D cos` beyond a normal's angle, and the azimuth. Panels of Gauss points end wherever the
 //! integrand bends: at the horizon, at the joint of the rational G1, at the scale on which G falls.
 
-use super::reference::{KINK, Reference};
+use super::reference::{KINK, ReferenceBrdf};
 use crate::brdf::Model;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -27,23 +27,23 @@ impl Albedo {
 
 /// Gauss points a panel.
 #[derive(Clone, Copy, Debug)]
-pub struct Effort {
+pub struct QuadratureGrid {
     angle: usize,
     azimuth: usize,
     /// Ten to minus this many is the share of normals left out.
     decades: i32,
 }
 
-impl Effort {
+impl QuadratureGrid {
     /// Errors below 1e-9 at every roughness and angle; some ten milliseconds.
-    pub const FINE: Effort = Effort { angle: 32, azimuth: 24, decades: 14 };
+    pub const FINE: QuadratureGrid = QuadratureGrid { angle: 32, azimuth: 24, decades: 14 };
     /// Errors below 2e-4; a fraction of a millisecond.
-    pub const QUICK: Effort = Effort { angle: 6, azimuth: 6, decades: 7 };
+    pub const QUICK: QuadratureGrid = QuadratureGrid { angle: 6, azimuth: 6, decades: 7 };
 }
 
 /// The lobe's albedo for a viewer at this cosine, in 0..=1 and above 0.
-pub fn albedo(lobe: &Reference, cos: f64, effort: Effort) -> Albedo {
-    let seen = Seen { lobe, cos, sin: ((1.0 - cos) * (1.0 + cos)).sqrt() };
+pub fn albedo(lobe: &ReferenceBrdf, cos: f64, effort: QuadratureGrid) -> Albedo {
+    let seen = SeenFrom { lobe, cos, sin: ((1.0 - cos) * (1.0 + cos)).sqrt() };
     let levels = levels(lobe);
     let edges = seen.panels(&levels, effort);
     let (in_angle, in_azimuth) = (soft_points(effort.angle), soft_points(effort.azimuth));
@@ -62,16 +62,16 @@ pub fn albedo(lobe: &Reference, cos: f64, effort: Effort) -> Albedo {
 }
 
 /// The lobe from one viewer.
-struct Seen<'a> {
-    lobe: &'a Reference,
+struct SeenFrom<'a> {
+    lobe: &'a ReferenceBrdf,
     cos: f64,
     sin: f64,
 }
 
-impl Seen<'_> {
+impl SeenFrom<'_> {
     /// The edges of the panels in `v`, rising to 1: where light's lowest and highest direction on a
     /// ring of normals passes a level, and every decade.
-    fn panels(&self, levels: &[f64], effort: Effort) -> Vec<f64> {
+    fn panels(&self, levels: &[f64], effort: QuadratureGrid) -> Vec<f64> {
         let viewer = self.sin.atan2(self.cos);
         let last = (FRAC_PI_2 + viewer) / 2.0;
         let least = 10f64.powi(-effort.decades - 1);
@@ -136,7 +136,7 @@ impl Seen<'_> {
 }
 
 /// Cosines of light between which the integrand is smooth, rising from the horizon.
-fn levels(lobe: &Reference) -> Vec<f64> {
+fn levels(lobe: &ReferenceBrdf) -> Vec<f64> {
     let alpha = lobe.alpha;
     let at = |cot: f64| cot * alpha / (1.0 + (cot * alpha).powi(2)).sqrt();
     let joint = at(KINK);
@@ -152,7 +152,7 @@ fn levels(lobe: &Reference) -> Vec<f64> {
 
 /// The squared tangent of the normal beyond which there is the share `v = 1 - rest`, both given so
 /// that neither end loses its digits.
-fn tan2_of(lobe: &Reference, v: f64, rest: f64) -> f64 {
+fn tan2_of(lobe: &ReferenceBrdf, v: f64, rest: f64) -> f64 {
     let a2 = lobe.alpha.powi(2);
     let ln_v = if rest < 0.5 { (-rest).ln_1p() } else { v.ln() };
     match lobe.model {

@@ -3,12 +3,12 @@
 //! Nothing here is shared with the code under test: angles and plain formulas (Walter et al. 2007,
 //! equations for D and G1; Schlick 1994 for F), written for reading and not for speed.
 
-use crate::brdf::{Model, Roughness, Width};
+use crate::brdf::{Alpha, Model, Roughness};
 use std::f64::consts::PI;
 
 /// A model at a roughness.
 #[derive(Clone, Copy, Debug)]
-pub struct Reference {
+pub struct ReferenceBrdf {
     /// Which D and G.
     pub model: Model,
     /// Width of the distribution.
@@ -17,16 +17,16 @@ pub struct Reference {
     pub exponent: f64,
 }
 
-impl Reference {
+impl ReferenceBrdf {
     /// At an exact roughness.
-    pub fn new(model: Model, roughness: Roughness) -> Reference {
-        Reference { model, alpha: roughness.alpha(), exponent: roughness.exponent() }
+    pub fn new(model: Model, roughness: Roughness) -> ReferenceBrdf {
+        ReferenceBrdf { model, alpha: roughness.alpha(), exponent: roughness.exponent() }
     }
 
     /// At the very numbers that single-precision code works with, so that what is compared is its
     /// arithmetic alone.
-    pub fn of_width(model: Model, width: Width) -> Reference {
-        Reference { model, alpha: width.alpha.into(), exponent: width.exponent.into() }
+    pub fn of_width(model: Model, roughness: Alpha) -> ReferenceBrdf {
+        ReferenceBrdf { model, alpha: roughness.alpha.into(), exponent: roughness.exponent.into() }
     }
 
     /// D of a normal with this squared tangent to z, in 1/sr.

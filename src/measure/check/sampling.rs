@@ -7,13 +7,13 @@
 use super::code::Code;
 use super::formulas::{direction, grey, most};
 use super::quadrature::{self, gauss, soft_points};
-use super::reference::Reference;
+use super::reference::ReferenceBrdf;
 use super::statistics::{Mean, Random, chi_square};
-use super::{EFFECT, Proof, Work};
-use crate::brdf::{Formulas, Lobes, Width};
+use super::{EFFECT, Proof, ProofWork};
+use crate::brdf::{Alpha, BrdfParams, Formulas};
 use crate::math::V3;
-use crate::math::lanes::U32;
-use crate::math::sequence::{Slot, Stream, pair};
+use crate::math::simd::U32;
+use crate::math::sobol::{Slot, Stream, pair};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Independent randomisations of a low-discrepancy stream; their spread is the standard error.
@@ -27,7 +27,7 @@ const OPEN_COSINES: [f64; 4] = [1.0, 0.7, 0.3, 0.1];
 const AZIMUTH: f64 = 0.7;
 
 /// All of them.
-pub(super) fn prove(work: &mut Work) {
+pub(super) fn prove(work: &mut ProofWork) {
     let viewers: Vec<Viewer> = COSINES.map(|cos| Viewer::new(work, cos)).into();
     work.add(Proof::at_most(
         "samples against density",
@@ -47,7 +47,7 @@ pub(super) fn prove(work: &mut Work) {
         most(viewers.iter().map(|v| v.lost)),
         1e-3,
     ));
-    if work.width.alpha >= 0.1 {
+    if work.roughness.alpha >= 0.1 {
         let chance = least([0.999, 0.7, 0.3].map(|cos| directions(work, cos)));
         let says = "directions of both lobes fall into 24 x 32 cells as the density says";
         work.add(Proof::by_chance("directions, chi-square", says, chance));
@@ -67,28 +67,28 @@ const CELLS: [usize; 2] = [128, 64];
 const COARSE: usize = 16;
 
 impl Viewer {
-    fn new(work: &mut Work, cos: f64) -> Viewer {
-        let (code, width) = (work.code, work.width);
+    fn new(work: &mut ProofWork, cos: f64) -> Viewer {
+        let (code, roughness) = (work.code, work.roughness);
         let wo = direction(cos, AZIMUTH);
-        let cells = cells(&code, width, wo);
+        let cells = cells(&code, roughness, wo);
         // Evenly spread samples: their distribution function is known to 1e-4.
         let stream = if work.full { 1 << 20 } else { 1 << 17 };
         let mut found = vec![0.0; CELLS[0] * CELLS[1]];
         let (mut seen, mut up) = (0.0, 0.0);
         for pass in 0..stream {
             let u = pair(&Stream::new(1, U32(0), U32(0), pass), Slot::direction(0));
-            let m = (code.sample_wm)(width, wo, u);
+            let m = (code.sample_wm)(roughness, wo, u);
             let dot = wo.dot(m);
             if !m.length2().is_finite() || (m.length2() - 1.0).abs() > 1e-4 {
                 work.strange += 1;
                 continue;
             }
-            found[cell_of(width, m)] += 1.0;
+            found[cell_of(roughness, m)] += 1.0;
             seen += f64::from(u8::from(dot > 0.0));
             up += f64::from(u8::from(dot > 0.0 && 2.0 * dot * m.z - wo.z > 0.0));
         }
         let n = stream as f64;
-        let [in_seen, in_up] = masses(&code, width, wo);
+        let [in_seen, in_up] = masses(&code, roughness, wo);
         let lost = (seen / n - in_seen).abs().max((up / n - in_up).abs());
         found.iter_mut().for_each(|f| *f /= n);
         let distance = distance(&found, &cells);
@@ -97,8 +97,8 @@ impl Viewer {
         let n = if work.full { 200_000 } else { 20_000 };
         let (mut observed, mut expected) = (vec![0.0; COARSE * COARSE], vec![0.0; COARSE * COARSE]);
         for _ in 0..n {
-            let m = (code.sample_wm)(width, wo, random.pair());
-            observed[coarse(cell_of(width, m))] += 1.0;
+            let m = (code.sample_wm)(roughness, wo, random.pair());
+            observed[coarse(cell_of(roughness, m))] += 1.0;
         }
         for (cell, share) in cells.iter().enumerate() {
             expected[coarse(cell)] += share * f64::from(n);
@@ -113,9 +113,9 @@ fn coarse(cell: usize) -> usize {
 }
 
 /// The cell of a normal.
-fn cell_of(width: Width, m: V3) -> usize {
+fn cell_of(roughness: Alpha, m: V3) -> usize {
     let [x, y, z] = [m.x, m.y, m.z].map(f64::from);
-    let stretched = f64::from(width.alpha) * z;
+    let stretched = f64::from(roughness.alpha) * z;
     let height = stretched / (x * x + y * y + stretched * stretched).sqrt();
     let turn = ((y.atan2(x) - AZIMUTH) / TAU).rem_euclid(1.0);
     let index = |share: f64, cells: usize| ((share * cells as f64) as usize).min(cells - 1);
@@ -123,8 +123,8 @@ fn cell_of(width: Width, m: V3) -> usize {
 }
 
 /// A normal of the square, and its solid angle per area of the square.
-fn normal(width: Width, y: f64, turn: f64) -> (V3, f64) {
-    let alpha = f64::from(width.alpha);
+fn normal(roughness: Alpha, y: f64, turn: f64) -> (V3, f64) {
+    let alpha = f64::from(roughness.alpha);
     let tan = alpha * (1.0 - y * y).max(0.0).sqrt() / y;
     let phi = AZIMUTH + TAU * turn;
     let cos = 1.0 / (1.0 + tan * tan).sqrt();
@@ -135,7 +135,7 @@ fn normal(width: Width, y: f64, turn: f64) -> (V3, f64) {
 }
 
 /// The density's share of every cell.
-fn cells(code: &Code, width: Width, wo: V3) -> Vec<f64> {
+fn cells(code: &Code, roughness: Alpha, wo: V3) -> Vec<f64> {
     let points = gauss(2);
     let mut shares = vec![0.0; CELLS[0] * CELLS[1]];
     for (cell, share) in shares.iter_mut().enumerate() {
@@ -143,8 +143,8 @@ fn cells(code: &Code, width: Width, wo: V3) -> Vec<f64> {
             for &[b, wb] in &points {
                 let y = ((cell / CELLS[1]) as f64 + a) / CELLS[0] as f64;
                 let turn = ((cell % CELLS[1]) as f64 + b) / CELLS[1] as f64;
-                let (m, area) = normal(width, y, turn);
-                *share += wa * wb * area * f64::from((code.normal_pdf)(width, wo, m));
+                let (m, area) = normal(roughness, y, turn);
+                *share += wa * wb * area * f64::from((code.normal_pdf)(roughness, wo, m));
             }
         }
         *share /= (CELLS[0] * CELLS[1]) as f64;
@@ -172,9 +172,9 @@ fn distance(found: &[f64], expected: &[f64]) -> f64 {
 /// The density's integral over the normals that face the viewer, and over those of them that
 /// reflect it upwards. Both end within a ring of normals, at azimuths that are known; panels of
 /// rings end where a ring first meets the horizon, leaves it, or first faces away.
-fn masses(code: &Code, width: Width, wo: V3) -> [f64; 2] {
+fn masses(code: &Code, roughness: Alpha, wo: V3) -> [f64; 2] {
     let (rings, around) = (soft_points(16), soft_points(12));
-    let alpha = f64::from(width.alpha);
+    let alpha = f64::from(roughness.alpha);
     let cos_o = f64::from(wo.z);
     let sin_o = f64::from(wo.x).hypot(f64::from(wo.y));
     let low = cos_o.atan2(sin_o);
@@ -197,9 +197,9 @@ fn masses(code: &Code, width: Width, wo: V3) -> [f64; 2] {
             for (from, to, reflects) in [(0.0, horizon, true), (horizon, facing, false)] {
                 for &[x, _, w] in &around {
                     let turn = from + (to - from) * x;
-                    let (m, area) = normal(width, y, turn);
+                    let (m, area) = normal(roughness, y, turn);
                     let both_sides = 2.0 * (to - from) * w * weight * wide * area;
-                    let mass = both_sides * f64::from((code.normal_pdf)(width, wo, m));
+                    let mass = both_sides * f64::from((code.normal_pdf)(roughness, wo, m));
                     seen += mass;
                     up += if reflects { mass } else { 0.0 };
                 }
@@ -210,17 +210,17 @@ fn masses(code: &Code, width: Width, wo: V3) -> [f64; 2] {
 }
 
 /// The chance of the directions that both lobes sample.
-fn directions(work: &mut Work, cos: f64) -> f64 {
+fn directions(work: &mut ProofWork, cos: f64) -> f64 {
     const RINGS: usize = 24;
     const SECTORS: usize = 32;
     const FINE: usize = 12;
     let (code, wo) = (work.code, direction(cos, AZIMUTH));
-    let view = (code.formulas.seen_from)(&grey(0.5, 0.2, work.width), wo);
+    let brdf = (code.formulas.at_wo)(&grey(0.5, 0.2, work.roughness), wo);
     let n: u32 = if work.full { 400_000 } else { 40_000 };
     let mut random = Random::new(3);
     let mut observed = vec![0.0; RINGS * SECTORS + 1];
     for _ in 0..n {
-        let s = (code.formulas.sample)(&view, random.pair()[0], random.pair());
+        let s = (code.formulas.sample)(&brdf, random.pair()[0], random.pair());
         let strange = !s.pdf.is_finite() || s.pdf < 0.0 || !s.f.is_finite() || s.f.r < 0.0;
         work.strange += u64::from(strange);
         let ring = (f64::from(s.wi.z) * RINGS as f64).max(0.0) as usize;
@@ -237,7 +237,7 @@ fn directions(work: &mut Work, cos: f64) -> f64 {
             let place = |i: usize| (i as f64 + 0.5) / FINE as f64;
             let z = (ring + place(i / FINE)) / RINGS as f64;
             let phi = (sector + place(i % FINE)) / SECTORS as f64 * TAU;
-            *share += f64::from((code.formulas.eval)(&view, direction(z, phi)).pdf);
+            *share += f64::from((code.formulas.eval)(&brdf, direction(z, phi)).pdf);
         }
         *share *= TAU / (RINGS * SECTORS * FINE * FINE) as f64 * f64::from(n);
         total += *share;
@@ -249,16 +249,17 @@ fn directions(work: &mut Work, cos: f64) -> f64 {
 
 /// The mean weight of samples against the albedo by quadrature: of the lobe alone with F = 1, and
 /// of a lacquer.
-fn albedo(work: &mut Work) {
-    let lobe = Reference::of_width(work.subject.model, work.width);
+fn albedo(work: &mut ProofWork) {
+    let lobe = ReferenceBrdf::of_width(work.subject.model, work.roughness);
     let per_batch = if work.full { 1 << 16 } else { 1 << 14 };
     let (mut off, mut chance) = (0.0f64, 1.0f64);
     for (row, cos) in OPEN_COSINES.into_iter().enumerate() {
-        let exact = quadrature::albedo(&lobe, cos, quadrature::Effort::FINE);
+        let exact = quadrature::albedo(&lobe, cos, quadrature::QuadratureGrid::FINE);
         for (kd, ks) in [(0.0, 1.0), (0.5, 0.04)] {
-            let lobes = grey(kd, ks, work.width);
+            let params = grey(kd, ks, work.roughness);
             let wo = direction(cos, AZIMUTH);
-            let batches = sampled_albedo(&work.code.formulas, &lobes, wo, 7, row as u32, per_batch);
+            let batches =
+                sampled_albedo(&work.code.formulas, &params, wo, 7, row as u32, per_batch);
             work.strange += batches.iter().filter(|b| b.is_nan() || **b < 0.0).count() as u64;
             let mean = Mean::of(batches);
             let expected = exact.of(kd.into(), ks.into());
@@ -280,19 +281,19 @@ fn albedo(work: &mut Work) {
 /// streams of a seed. What is rarer than one in so many shows in neither mean nor spread.
 pub fn sampled_albedo(
     formulas: &Formulas,
-    lobes: &Lobes,
+    params: &BrdfParams,
     wo: V3,
     seed: u64,
     row: u32,
     per_batch: u64,
 ) -> [f64; BATCHES as usize] {
-    let view = (formulas.seen_from)(lobes, wo);
+    let brdf = (formulas.at_wo)(params, wo);
     std::array::from_fn(|batch| {
         let mut sum = 0.0;
         for pass in 0..per_batch {
             let stream = Stream::new(seed, U32(batch as u32), U32(row), pass);
             let [choice, _] = pair::<f32>(&stream, Slot::choice(0));
-            let s = (formulas.sample)(&view, choice, pair::<f32>(&stream, Slot::direction(0)));
+            let s = (formulas.sample)(&brdf, choice, pair::<f32>(&stream, Slot::direction(0)));
             if s.pdf > 0.0 {
                 let cos = (formulas.cosine)(s.wi.z);
                 sum += f64::from(s.f.r) * f64::from(cos) / f64::from(s.pdf);

@@ -3,17 +3,17 @@
 //! The cameras look through a window so small that all pixels see one point, and every path is for
 //! itself, so that each pixel is an independent estimate of the same number.
 
-use super::quadrature::{Effort, albedo};
-use super::reference::Reference;
+use super::quadrature::{QuadratureGrid, albedo};
+use super::reference::ReferenceBrdf;
 use super::statistics::Mean;
-use super::{CheckError, Proof, Work};
+use super::{CheckError, Proof, ProofWork};
 use crate::progressive::{Params, Strategy, render};
 use crate::scene::{Camera, Material, MaterialId, Mesh, Scene, SceneBuilder, ShapeError};
-use crate::trace::Group;
+use crate::trace::ReuseGroup;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
-/// Below this alpha, asking lights no longer finds a lobe: the spread of so few hits tells nothing.
+/// Below this alpha, light sampling lights no longer finds a lobe: the spread of so few hits tells nothing.
 const SHARP: f64 = 0.05;
 
 /// Size of the plate's scenes: as large as a house, for a tolerance without regard to size is lost on
@@ -21,15 +21,15 @@ const SHARP: f64 = 0.05;
 const SIZE: f64 = 16.0;
 
 /// All of them.
-pub(super) fn prove(work: &mut Work) -> Result<(), CheckError> {
+pub(super) fn prove(work: &mut ProofWork) -> Result<(), CheckError> {
     furnace(work)?;
-    plate(work)?;
+    slab(work)?;
     strategies(work)
 }
 
 /// Walls that emit 1 and reflect one half: 2 in every direction. A tenth of a millimetre wide, for
 /// size must not matter.
-fn furnace(work: &mut Work) -> Result<(), CheckError> {
+fn furnace(work: &mut ProofWork) -> Result<(), CheckError> {
     let radius = 1e-4;
     let mut b = SceneBuilder::new("white furnace");
     let wall = Material::reflecting("wall", [0.5; 3], [0.0; 3], 10.0)?.emitting([1.0; 3])?;
@@ -45,8 +45,8 @@ fn furnace(work: &mut Work) -> Result<(), CheckError> {
 }
 
 /// A plate before white light shows its directional albedo.
-fn plate(work: &mut Work) -> Result<(), CheckError> {
-    let lobe = Reference::of_width(work.subject.model, work.width);
+fn slab(work: &mut ProofWork) -> Result<(), CheckError> {
+    let lobe = ReferenceBrdf::of_width(work.subject.model, work.roughness);
     let (mut off, mut chance) = (0.0f64, 1.0f64);
     for cos in [0.9, 0.5, 0.2] {
         let mut b = SceneBuilder::new("plate in white light");
@@ -54,7 +54,7 @@ fn plate(work: &mut Work) -> Result<(), CheckError> {
         look_at_plate(&mut b, surface, cos)?;
         b.environment = [1.0; 3];
         let pixels = work.pixels(b.build().into(), Strategy::Mis)?;
-        let expected = albedo(&lobe, cos, Effort::FINE).of(0.2f32.into(), 0.5);
+        let expected = albedo(&lobe, cos, QuadratureGrid::FINE).of(0.2f32.into(), 0.5);
         off = off.max((pixels.mean / expected - 1.0).abs());
         // Rotating directions into the surface's frame costs a sharp lobe some digits.
         chance = chance.min(pixels.chance(expected, 2e-4 * expected));
@@ -65,12 +65,12 @@ fn plate(work: &mut Work) -> Result<(), CheckError> {
     Ok(())
 }
 
-/// Three lamps above a plate, one of them in its mirror: light found by asking, by chance, and by
+/// Three emitters above a plate, one of them in its mirror: light found by light sampling, by chance, and by
 /// both ways weighed.
-fn strategies(work: &mut Work) -> Result<(), CheckError> {
+fn strategies(work: &mut ProofWork) -> Result<(), CheckError> {
     let mut b = SceneBuilder::new("three lamps");
     let surface = b.material(Material::reflecting("plate", [0.4; 3], [0.5; 3], 0.0)?);
-    let lamp = b.material(Material::light("lamp", [2.0; 3])?);
+    let emitter = b.material(Material::light("lamp", [2.0; 3])?);
     let cos: f64 = 0.6;
     let across = (1.0 - cos * cos).sqrt();
     let [x, y, z] = look_at_plate(&mut b, surface, cos)?;
@@ -79,7 +79,7 @@ fn strategies(work: &mut Work) -> Result<(), CheckError> {
         (x * -across + z * cos, 2.0, 0.6),
         (x * -0.3 - y * 1.2 + z, 3.0, 0.9),
     ] {
-        b.sphere(to.normalize() * distance * SIZE, radius * SIZE, lamp)?;
+        b.sphere(to.normalize() * distance * SIZE, radius * SIZE, emitter)?;
     }
     let scene: Arc<Scene> = b.build().into();
     let both = work.pixels(scene.clone(), Strategy::Mis)?;
@@ -124,7 +124,7 @@ fn look_at_plate(
     Ok([x, y, z])
 }
 
-impl Work {
+impl ProofWork {
     /// The green of all pixels of a picture of this scene, every lobe as rough as the subject's.
     fn pixels(&mut self, scene: Arc<Scene>, strategy: Strategy) -> Result<Mean, CheckError> {
         let subject = self.subject;
@@ -134,7 +134,7 @@ impl Work {
             strategy,
             normals: subject.normals,
             erratum: subject.erratum,
-            group: Some(Group::None),
+            group: Some(ReuseGroup::None),
             ..Params::new(scene)
         };
         let params = params.with_roughness(subject.roughness);

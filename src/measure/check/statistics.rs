@@ -1,7 +1,7 @@
 //! What a test needs of statistics, and the numbers that it draws.
 
-use crate::math::lanes::U32;
-use crate::math::sequence::{Slot, Stream, pair};
+use crate::math::simd::U32;
+use crate::math::sobol::{Slot, Stream, pair};
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 
 /// Independent uniform numbers: the renderer's stream, of a new pixel each.

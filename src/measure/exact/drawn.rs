@@ -1,14 +1,14 @@
 //! Cases drawn at random: every group by turns, with parameters of no round number, turned, scaled
 //! and moved, on every instruction set that the machine has.
 
+use super::emitters::{PlaneDisk, PlaneQuad, PlaneRect, PlaneSphere};
 use super::glossy::{Ball, Dome, Finish, Mirror, SpecRect, SpecSphere};
-use super::lamps::{PlaneDisk, PlaneQuad, PlaneRect, PlaneSphere};
-use super::rooms::{Cavity, Concentric, Furnace, Integrating, Plates};
+use super::rooms::{Cavity, Concentric, Furnace, Integrating, ParallelPlanes};
 use super::stage::Where;
-use super::table::{Case, Group, Table};
+use super::table::{Case, CaseTable, Group};
 use super::{ExactError, factors};
 use crate::brdf::Model;
-use crate::math::lanes::Isa;
+use crate::math::simd::Isa;
 use crate::measure::draw::Draw;
 use crate::measure::site::Somewhere;
 use glam::DVec3;
@@ -21,9 +21,9 @@ const FAMILY: u64 = 0x6578_6163_7421;
 const GROUPS: u64 = 14;
 
 /// Cases of these seeds, groups by turns.
-pub fn drawn(seeds: impl IntoIterator<Item = u64>) -> Result<Table, ExactError> {
+pub fn drawn(seeds: impl IntoIterator<Item = u64>) -> Result<CaseTable, ExactError> {
     let cases: Vec<Case> = seeds.into_iter().map(case).collect::<Result<_, _>>()?;
-    Ok(Table { scenes: cases.len(), cases, left_out: Vec::new() })
+    Ok(CaseTable { scenes: cases.len(), cases, left_out: Vec::new() })
 }
 
 /// The case of a seed.
@@ -116,12 +116,12 @@ fn group(which: u64, draw: &mut Draw) -> (Group, String) {
             (Group::Mirror(Mirror { model, param, mu: draw.within(0.2, 0.95) }), lit)
         }
         10 => {
-            let plates = Plates {
+            let parallel_planes = ParallelPlanes {
                 height: draw.within(0.5, 2.0),
                 albedo: [draw.within(0.1, 0.9), draw.within(0.1, 0.9)],
                 emission: draw.within(0.5, 3.0),
             };
-            (Group::Plates(plates), two(draw, "plate1", "plate2"))
+            (Group::ParallelPlanes(parallel_planes), two(draw, "plate1", "plate2"))
         }
         11 => {
             let mut wall = || [draw.within(0.1, 0.9), draw.within(0.1, 2.0)];

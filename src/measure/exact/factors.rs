@@ -1,4 +1,4 @@
-//! Form factors from a point with its normal along z: what part of a diffuse surface's view a lamp
+//! Form factors from a point with its normal along z: what part of a diffuse surface's view an emitter
 //! fills, weighed with the cosine.
 
 use crate::measure::check::quadrature::gauss;

@@ -1,7 +1,7 @@
-//! The BRDF itself, seen under a dome, a lamp, and a lamp where a mirror would show it.
+//! The BRDF itself, seen under a dome, an emitter, and an emitter where a mirror would show it.
 
 use super::ExactError;
-use super::stage::{ASIDE, Stage, Where, lamp, plane, rectangle, viewer};
+use super::stage::{ASIDE, ExactStage, Where, emitter, plane, rectangle, viewer};
 use crate::brdf::{Model, Roughness};
 use crate::measure::site::Site;
 use crate::scene::{Camera, Material, MaterialId};
@@ -44,7 +44,7 @@ impl Finish {
         })
     }
 
-    /// The plane z = 0 of this finish, and room for lamps no nearer than `near`.
+    /// The plane z = 0 of this finish, and room for emitters no nearer than `near`.
     fn plane(&self, near: f64, at: Where) -> Result<Site, ExactError> {
         let mut site = at.site("glossy plane");
         let surface = self.material(&mut site, 0.0)?;
@@ -53,7 +53,7 @@ impl Finish {
     }
 
     /// Direct light on that plane, seen at the cosine `mu`, azimuth 0.
-    fn seen(&self, site: Site, mu: f64, near: f64, at: Where) -> Result<Stage, ExactError> {
+    fn seen(&self, site: Site, mu: f64, near: f64, at: Where) -> Result<ExactStage, ExactError> {
         let wo = DVec3::new((1.0 - mu * mu).sqrt(), 0.0, mu);
         Ok(at.stage(site, viewer(wo, 0.25 * near)?)?.model(self.model).depth(1))
     }
@@ -68,7 +68,7 @@ pub(super) struct Dome {
 }
 
 impl Dome {
-    pub(super) fn stage(&self, at: Where) -> Result<Stage, ExactError> {
+    pub(super) fn stage(&self, at: Where) -> Result<ExactStage, ExactError> {
         let mut site = self.finish.plane(4.0, at)?;
         site.builder.environment = [1.0; 3];
         self.finish.seen(site, self.mu, 4.0, at)
@@ -87,19 +87,19 @@ impl Ball {
     /// In radii. The points seen crowd towards the middle by at most 1 / AWAY².
     const AWAY: f64 = 256.0;
 
-    pub(super) fn stage(&self, at: Where) -> Result<Stage, ExactError> {
+    pub(super) fn stage(&self, at: Where) -> Result<ExactStage, ExactError> {
         let mut site = at.site("ball");
         let surface = self.finish.material(&mut site, 0.0)?;
         site.sphere(DVec3::ZERO, 1.0, surface)?;
         site.builder.environment = [1.0; 3];
         let reach = 1.0 / (Self::AWAY * Self::AWAY - 1.0).sqrt();
         let camera = Camera::look_at(ASIDE * Self::AWAY, DVec3::ZERO, reach)?;
-        // So far away a ray's place is known to AWAY roundings.
+        // So far away a ray's place is known to AWAY rounding errors.
         let bound = 1.0 / (Self::AWAY * Self::AWAY) + Self::AWAY * f32::EPSILON as f64;
         let mut stage = at.stage(site, camera)?.model(self.finish.model).bounded(bound);
         stage.params.size = [64, 64];
         stage.params.max_depth = Some(1);
-        Ok(Stage { share: FRAC_PI_4, rest: 1.0 - FRAC_PI_4, ..stage })
+        Ok(ExactStage { share: FRAC_PI_4, rest: 1.0 - FRAC_PI_4, ..stage })
     }
 }
 
@@ -114,11 +114,11 @@ pub(super) struct SpecRect {
 }
 
 impl SpecRect {
-    pub(super) fn stage(&self, at: Where) -> Result<Stage, ExactError> {
+    pub(super) fn stage(&self, at: Where) -> Result<ExactStage, ExactError> {
         let centre = DVec3::from_array(self.centre);
         let mut site = self.finish.plane(centre.z, at)?;
-        let lamp = lamp(&mut site, self.radiance)?;
-        rectangle(&mut site, centre, [DVec3::X * 0.5, DVec3::Y * 0.4], lamp)?;
+        let emitter = emitter(&mut site, self.radiance)?;
+        rectangle(&mut site, centre, [DVec3::X * 0.5, DVec3::Y * 0.4], emitter)?;
         self.finish.seen(site, self.mu, centre.z, at)
     }
 }
@@ -137,13 +137,13 @@ pub(super) struct SpecSphere {
 }
 
 impl SpecSphere {
-    pub(super) fn stage(&self, at: Where) -> Result<Stage, ExactError> {
+    pub(super) fn stage(&self, at: Where) -> Result<ExactStage, ExactError> {
         let near = self.distance - self.radius;
         let mut site = self.finish.plane(near, at)?;
-        let lamp = lamp(&mut site, self.radiance)?;
+        let emitter = emitter(&mut site, self.radiance)?;
         let ((sin, cos), (sin_phi, cos_phi)) = (self.beta.sin_cos(), self.phi.sin_cos());
         let towards = DVec3::new(sin * cos_phi, sin * sin_phi, cos);
-        site.sphere(towards * self.distance, self.radius, lamp)?;
+        site.sphere(towards * self.distance, self.radius, emitter)?;
         self.finish.seen(site, self.mu, near, at)
     }
 }
@@ -172,11 +172,11 @@ impl Mirror {
         DVec3::new(-aside, 0.0, HEIGHT)
     }
 
-    pub(super) fn stage(&self, at: Where) -> Result<Stage, ExactError> {
+    pub(super) fn stage(&self, at: Where) -> Result<ExactStage, ExactError> {
         let finish = self.finish();
         let mut site = finish.plane(HEIGHT, at)?;
-        let lamp = lamp(&mut site, 1.0)?;
-        rectangle(&mut site, self.centre(), [DVec3::X * 0.5, DVec3::Y * 0.5], lamp)?;
+        let emitter = emitter(&mut site, 1.0)?;
+        rectangle(&mut site, self.centre(), [DVec3::X * 0.5, DVec3::Y * 0.5], emitter)?;
         finish.seen(site, self.mu, HEIGHT, at)
     }
 }

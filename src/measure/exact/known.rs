@@ -3,7 +3,7 @@
 
 use super::ExactError;
 use super::glossy::Finish;
-use super::lobes::Seen;
+use super::lobes::SeenLobe;
 use super::table::{Group, number_in};
 use super::{factors, transport};
 use glam::DVec3;
@@ -14,13 +14,13 @@ pub struct Known {
     /// The radiance, or mean radiance.
     pub value: f64,
     /// Bound of its absolute error: for quadratures three times what fewer points change, if that
-    /// is more than roundings.
+    /// is more than rounding errors.
     pub error: f64,
     /// In a few words.
     pub method: &'static str,
 }
 
-/// By a formula: right but for roundings.
+/// By a formula: right but for rounding errors.
 fn closed(value: f64, method: &'static str) -> Known {
     Known { value, error: 1e-13 * value.abs(), method }
 }
@@ -69,11 +69,11 @@ impl Group {
                 closed(value, "Lambert's polygon formula, cut at the horizon")
             }
             Group::Dome(s) => {
-                let value = Seen::new(&s.finish, s.mu)?.in_the_open();
+                let value = SeenLobe::new(&s.finish, s.mu)?.in_the_open();
                 Known { value, error: 1e-9 + 1e-8 * value, method: "2D quadrature of the BRDF" }
             }
             Group::Ball(s) => {
-                let seen = Seen::new(&s.finish, 1.0)?;
+                let seen = SeenLobe::new(&s.finish, 1.0)?;
                 by_points(seen.ball(48), seen.ball(32), "3D quadrature of the BRDF")
             }
             Group::SpecRect(s) => {
@@ -86,19 +86,21 @@ impl Group {
                 square(&s.finish(), s.mu, s.centre(), edges, 1.0)?
             }
             Group::SpecSphere(s) => {
-                let seen = Seen::new(&s.finish, s.mu)?;
+                let seen = SeenLobe::new(&s.finish, s.mu)?;
                 let ((sin, cos), (sin_phi, cos_phi)) = (s.beta.sin_cos(), s.phi.sin_cos());
                 let towards = DVec3::new(sin * cos_phi, sin * sin_phi, cos);
                 let of = |panels| s.radiance * seen.sphere(towards, s.radius / s.distance, panels);
                 by_points(of(32), of(22), "2D quadrature over the lamp's solid angle")
             }
-            Group::Plates(s) => {
+            Group::ParallelPlanes(s) => {
                 let which = match quantity {
                     "plate1" => 0,
                     "plate2" => 1,
                     _ => return Err(strange()),
                 };
-                let of = |points| s.emission * transport::plates(s.height, s.albedo, points)[which];
+                let of = |points| {
+                    s.emission * transport::parallel_planes(s.height, s.albedo, points)[which]
+                };
                 by_points(of(26), of(20), "Nyström's method")
             }
             Group::Concentric(s) => {
@@ -147,7 +149,7 @@ fn square(
     edges: [DVec3; 2],
     radiance: f64,
 ) -> Result<Known, ExactError> {
-    let seen = Seen::new(finish, mu)?;
+    let seen = SeenLobe::new(finish, mu)?;
     let of = |points| radiance * seen.rectangle(centre, edges, points);
     Ok(by_points(of(14), of(9), "2D quadrature, graded towards the mirror's direction"))
 }

@@ -1,26 +1,26 @@
 //! What a glossy surface at the origin sends towards a viewer, by quadrature of the textbook's BRDF
-//! in double precision over the solid angle of a lamp, or over all of the sky.
+//! in double precision over the solid angle of an emitter, or over all of the sky.
 
 use super::ExactError;
 use super::glossy::Finish;
-use crate::measure::check::quadrature::{Effort, albedo, cosine_mean, gauss};
-use crate::measure::check::reference::Reference;
+use crate::measure::check::quadrature::{QuadratureGrid, albedo, cosine_mean, gauss};
+use crate::measure::check::reference::ReferenceBrdf;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
 /// A surface in the plane z = 0, seen at a cosine, azimuth 0.
-pub(super) struct Seen {
-    lobe: Reference,
+pub(super) struct SeenLobe {
+    lobe: ReferenceBrdf,
     kd: f64,
     ks: f64,
     wo: DVec3,
 }
 
-impl Seen {
-    pub(super) fn new(finish: &Finish, mu: f64) -> Result<Seen, ExactError> {
-        let lobe = Reference::new(finish.model, finish.roughness()?);
+impl SeenLobe {
+    pub(super) fn new(finish: &Finish, mu: f64) -> Result<SeenLobe, ExactError> {
+        let lobe = ReferenceBrdf::new(finish.model, finish.roughness()?);
         let wo = DVec3::new((1.0 - mu * mu).sqrt(), 0.0, mu);
-        Ok(Seen { lobe, kd: finish.kd, ks: finish.ks, wo })
+        Ok(SeenLobe { lobe, kd: finish.kd, ks: finish.ks, wo })
     }
 
     /// The BRDF times the cosine, for light from a unit direction; nothing from below. Without Ks
@@ -37,12 +37,12 @@ impl Seen {
 
     /// Of light 1 from everywhere.
     pub(super) fn in_the_open(&self) -> f64 {
-        albedo(&self.lobe, self.wo.z, Effort::FINE).of(self.kd, self.ks)
+        albedo(&self.lobe, self.wo.z, QuadratureGrid::FINE).of(self.kd, self.ks)
     }
 
     /// The mean of that over the disc that a ball shows, by `points` cosines.
     pub(super) fn ball(&self, points: usize) -> f64 {
-        let at = |cos: f64| albedo(&self.lobe, cos, Effort::FINE);
+        let at = |cos: f64| albedo(&self.lobe, cos, QuadratureGrid::FINE);
         cosine_mean(points, at).of(self.kd, self.ks)
     }
 

@@ -6,8 +6,8 @@
 //!
 //! 1. `|mean - expected| <= 4 standard errors + allowance`, where the allowance is the answer's
 //!    own error and the stated bound of what the construction differs from the scene (a far camera
-//!    for an orthographic one, facets for a cap, roundings of single precision);
-//! 2. the same within `4 * budget.relative` of the expected value: 1e-3 at [`Budget::FULL`].
+//!    for an orthographic one, facets for a cap, rounding errors of single precision);
+//! 2. the same within `4 * budget.relative` of the expected value: 1e-3 at [`CaseBudget::FULL`].
 //!
 //! Those answers are computed without a line of this program, in double precision: Lambert's and
 //! Howell's form factors, quadratures of the BRDF over solid angle, integral equations by Nyström's
@@ -19,10 +19,10 @@
 //! against the table.
 
 mod drawn;
+mod emitters;
 mod factors;
 mod glossy;
 mod known;
-mod lamps;
 mod lobes;
 mod rooms;
 mod run;
@@ -32,8 +32,8 @@ mod transport;
 
 pub use drawn::drawn;
 pub use known::Known;
-pub use run::{Budget, Outcome, Summary, Verdict, run_all};
-pub use table::{Case, LeftOut, Table, all};
+pub use run::{CaseBudget, CaseOutcome, CaseVerdict, ExactSummary, run_all};
+pub use table::{Case, CaseTable, LeftOut, all};
 
 use crate::brdf::RoughnessError;
 use crate::progressive::ParamsError;
@@ -45,7 +45,7 @@ use thiserror::Error;
 pub enum ExactError {
     /// The table of answers is not what its reader expects.
     #[error("the table of exact scenes is broken: {0}")]
-    Table(#[from] serde_json::Error),
+    CaseTable(#[from] serde_json::Error),
     /// A quantity that its group does not have.
     #[error("the table of exact scenes asks for `{0}`, which its group does not have")]
     Quantity(String),

@@ -2,7 +2,7 @@
 
 use super::ExactError;
 use super::glossy::Finish;
-use super::stage::{ASIDE, POINT, Stage, Where, diffuse, mesh, of_albedo, rectangle};
+use super::stage::{ASIDE, ExactStage, POINT, Where, diffuse, mesh, of_albedo, rectangle};
 use super::table::number_in;
 use crate::scene::Camera;
 use glam::{DQuat, DVec3};
@@ -19,7 +19,7 @@ pub(super) struct Furnace {
 }
 
 impl Furnace {
-    pub(super) fn stage(&self, quantity: &str, at: Where) -> Result<Stage, ExactError> {
+    pub(super) fn stage(&self, quantity: &str, at: Where) -> Result<ExactStage, ExactError> {
         let mut site = at.site("furnace");
         let wall = diffuse(&mut site, self.rho, self.emission)?;
         let eye = DVec3::new(0.1, 0.2, -0.3);
@@ -39,14 +39,14 @@ impl Furnace {
 
 /// Two unit squares at this height over each other; the lower one emits. Black surroundings.
 #[derive(Debug, Deserialize)]
-pub(super) struct Plates {
+pub(super) struct ParallelPlanes {
     pub height: f64,
     pub albedo: [f64; 2],
     pub emission: f64,
 }
 
-impl Plates {
-    pub(super) fn stage(&self, quantity: &str, at: Where) -> Result<Stage, ExactError> {
+impl ParallelPlanes {
+    pub(super) fn stage(&self, quantity: &str, at: Where) -> Result<ExactStage, ExactError> {
         let mut site = at.site("plates");
         let lower = diffuse(&mut site, self.albedo[0], self.emission)?;
         let upper = diffuse(&mut site, self.albedo[1], 0.0)?;
@@ -74,7 +74,7 @@ pub(super) struct Concentric {
 }
 
 impl Concentric {
-    pub(super) fn stage(&self, quantity: &str, at: Where) -> Result<Stage, ExactError> {
+    pub(super) fn stage(&self, quantity: &str, at: Where) -> Result<ExactStage, ExactError> {
         let mut site = at.site("concentric");
         let inner = diffuse(&mut site, self.inner[0], self.inner[1])?;
         let outer = diffuse(&mut site, self.outer[0], self.outer[1])?;
@@ -106,7 +106,7 @@ impl Integrating {
     /// How far before its place on the sphere the cap stands, but for its rim.
     const BEFORE: f64 = 5e-5;
 
-    pub(super) fn stage(&self, quantity: &str, at: Where) -> Result<Stage, ExactError> {
+    pub(super) fn stage(&self, quantity: &str, at: Where) -> Result<ExactStage, ExactError> {
         let mut site = at.site("integrating sphere");
         let wall = diffuse(&mut site, self.rho, 0.0)?;
         let cap = diffuse(&mut site, self.rho, self.emission)?;
@@ -175,7 +175,7 @@ pub(super) struct Cavity {
 }
 
 impl Cavity {
-    pub(super) fn stage(&self, quantity: &str, at: Where) -> Result<Stage, ExactError> {
+    pub(super) fn stage(&self, quantity: &str, at: Where) -> Result<ExactStage, ExactError> {
         let mu = number_in(quantity, "mu_")?;
         let mut site = at.site("cavity");
         let wall = self.finish.material(&mut site, 1.0)?;

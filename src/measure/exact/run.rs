@@ -1,7 +1,7 @@
 //! Rendering a case, and judging what came out.
 
-use super::stage::Stage;
-use super::{Case, ExactError, LeftOut, Table, all};
+use super::stage::ExactStage;
+use super::{Case, CaseTable, ExactError, LeftOut, all};
 use crate::film::normal_score;
 use crate::progressive::{Counts, Options, Params, Session, Snapshot, State};
 
@@ -19,7 +19,7 @@ const FIRST: u64 = 2;
 /// error alone, which comes from 31 degrees of freedom and varies by an eighth: that it draws the
 /// mean towards runs of small spread is far below one standard error.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Budget {
+pub struct CaseBudget {
     /// Enough when the standard error is this fraction of the expected value. The mean has to be
     /// right to four times as much. Where the rays are spent before, twice the fraction will do to
     /// tell; a larger noise leaves the case unresolved.
@@ -28,18 +28,18 @@ pub struct Budget {
     pub rays: u64,
 }
 
-impl Budget {
+impl CaseBudget {
     /// Every mean to 1e-3, which is four standard errors, or two where the rays do not suffice.
-    pub const FULL: Budget = Budget { relative: 2.5e-4, rays: 1 << 31 };
+    pub const FULL: CaseBudget = CaseBudget { relative: 2.5e-4, rays: 1 << 31 };
     /// The same for the hundreds of cases that are [drawn](super::drawn), in some seconds each.
-    pub const DRAWN: Budget = Budget { relative: 2.5e-4, rays: 1 << 26 };
+    pub const DRAWN: CaseBudget = CaseBudget { relative: 2.5e-4, rays: 1 << 26 };
     /// A look at each case in some tens of milliseconds: to 1 %.
-    pub const QUICK: Budget = Budget { relative: 2.5e-3, rays: 1 << 25 };
+    pub const QUICK: CaseBudget = CaseBudget { relative: 2.5e-3, rays: 1 << 25 };
 }
 
 /// What the comparison says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub enum CaseVerdict {
     /// Within four standard errors and within the relative limit.
     Agrees,
     /// Not so, or samples were not finite.
@@ -50,7 +50,7 @@ pub enum Verdict {
 
 /// A case after its rendering.
 #[derive(Clone, Debug)]
-pub struct Outcome {
+pub struct CaseOutcome {
     /// What was asked.
     pub case: Case,
     /// Mean of what was rendered.
@@ -66,12 +66,12 @@ pub struct Outcome {
     /// Paths, rays, and samples that were not finite.
     pub counts: Counts,
     /// Whether it agrees.
-    pub verdict: Verdict,
+    pub verdict: CaseVerdict,
 }
 
 /// All cases together.
 #[derive(Clone, Debug, Default)]
-pub struct Summary {
+pub struct ExactSummary {
     /// Cases rendered.
     pub cases: usize,
     /// Of those, how many differ.
@@ -88,24 +88,27 @@ pub struct Summary {
 }
 
 /// Renders every case of [`all`] on all cores, and hands out each as it is done.
-pub fn run_all(budget: Budget, each: &mut dyn FnMut(&Outcome)) -> Result<Summary, ExactError> {
+pub fn run_all(
+    budget: CaseBudget,
+    each: &mut dyn FnMut(&CaseOutcome),
+) -> Result<ExactSummary, ExactError> {
     all()?.run(budget, each)
 }
 
-impl Table {
+impl CaseTable {
     /// Renders its cases on all cores, and hands out each as it is done.
     pub fn run(
         self,
-        budget: Budget,
-        each: &mut dyn FnMut(&Outcome),
-    ) -> Result<Summary, ExactError> {
-        let mut summary = Summary { left_out: self.left_out, ..Summary::default() };
+        budget: CaseBudget,
+        each: &mut dyn FnMut(&CaseOutcome),
+    ) -> Result<ExactSummary, ExactError> {
+        let mut summary = ExactSummary { left_out: self.left_out, ..ExactSummary::default() };
         let mut squares = 0.0;
         for case in self.cases {
             let outcome = case.run(budget)?;
             summary.cases += 1;
-            summary.failed += usize::from(outcome.verdict == Verdict::Differs);
-            summary.unresolved += usize::from(outcome.verdict == Verdict::Unresolved);
+            summary.failed += usize::from(outcome.verdict == CaseVerdict::Differs);
+            summary.unresolved += usize::from(outcome.verdict == CaseVerdict::Unresolved);
             if outcome.standard_error > 5.0 * outcome.allowance {
                 let off = outcome.mean - outcome.case.expected;
                 summary.noisy += 1;
@@ -124,7 +127,7 @@ impl Case {
         Ok(self.seeded()?.params)
     }
 
-    fn seeded(&self) -> Result<Stage, ExactError> {
+    fn seeded(&self) -> Result<ExactStage, ExactError> {
         let mut stage = self.stage()?;
         let name = self.id.bytes().chain(self.quantity.bytes());
         stage.params.seed =
@@ -133,7 +136,7 @@ impl Case {
     }
 
     /// Renders on all cores until the budget is met or spent.
-    pub fn run(&self, budget: Budget) -> Result<Outcome, ExactError> {
+    pub fn run(&self, budget: CaseBudget) -> Result<CaseOutcome, ExactError> {
         let stage = self.seeded()?;
         let mut passes = FIRST;
         let sessions: Vec<Session> = (0..PICTURES)
@@ -158,47 +161,47 @@ impl Case {
         }
     }
 
-    fn judge(&self, stage: &Stage, budget: Budget, snapshots: &[Snapshot]) -> Outcome {
+    fn judge(&self, stage: &ExactStage, budget: CaseBudget, snapshots: &[Snapshot]) -> CaseOutcome {
         let (mean, standard_error) = whole(snapshots);
         let counts = snapshots.iter().fold(Counts::default(), |sum, s| sum + s.counts);
         let mean = (mean - stage.rest) / stage.share;
         let standard_error = standard_error / stage.share;
         let off = mean - self.expected;
         let allowance = self.error + stage.bound * self.expected;
-        let mut outcome = Outcome {
+        let mut outcome = CaseOutcome {
             mean,
             standard_error,
             allowance,
             sigmas: score(beyond(off, allowance), standard_error),
             relative_error: off / self.expected,
             counts,
-            verdict: Verdict::Unresolved,
+            verdict: CaseVerdict::Unresolved,
             case: self.clone(),
         };
         let close = outcome.sigmas.abs() <= SIGMAS && counts.nonfinite == 0;
         outcome.verdict = match outcome.is_told(budget) {
-            true if close && off.abs() <= outcome.limit(budget) => Verdict::Agrees,
-            false if close => Verdict::Unresolved,
-            _ => Verdict::Differs,
+            true if close && off.abs() <= outcome.limit(budget) => CaseVerdict::Agrees,
+            false if close => CaseVerdict::Unresolved,
+            _ => CaseVerdict::Differs,
         };
         outcome
     }
 }
 
-impl Outcome {
+impl CaseOutcome {
     /// How far the mean may be off by the second rule.
-    fn limit(&self, budget: Budget) -> f64 {
+    fn limit(&self, budget: CaseBudget) -> f64 {
         SIGMAS * budget.relative * self.case.expected + self.case.error
     }
 
     /// Whether the noise is small enough to stop.
-    fn resolved(&self, budget: Budget) -> bool {
+    fn resolved(&self, budget: CaseBudget) -> bool {
         SIGMAS * self.standard_error <= self.limit(budget)
     }
 
     /// Whether the noise that is left would hide what the second rule asks for. Where light goes a
     /// hundred times to and fro a budget ends before the noise is as small as it should be.
-    fn is_told(&self, budget: Budget) -> bool {
+    fn is_told(&self, budget: CaseBudget) -> bool {
         0.5 * SIGMAS * self.standard_error <= self.limit(budget)
     }
 }

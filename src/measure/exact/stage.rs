@@ -2,11 +2,11 @@
 
 use super::ExactError;
 use crate::brdf::Model;
-use crate::math::lanes::Isa;
+use crate::math::simd::Isa;
 use crate::measure::site::{Site, Somewhere};
 use crate::progressive::Params;
 use crate::scene::{Camera, Material, MaterialId, Mesh, ShapeError};
-use crate::trace::{DEPTH_CAP, Group};
+use crate::trace::{DEPTH_CAP, ReuseGroup};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ const SIZE: [u32; 2] = [128, 8];
 pub(super) const POINT: f64 = 1e-5;
 
 /// What single precision costs a scene of unit size: positions on lights, the step off a surface,
-/// and a dozen roundings of densities. Relative.
+/// and a dozen rounding errors of densities. Relative.
 const ROUNDING: f64 = 1e-5;
 
 /// A viewer of no special place: unit, above the plane.
@@ -37,13 +37,13 @@ impl Where {
         Site::new(name, self.place)
     }
 
-    pub(super) fn stage(self, site: Site, camera: Camera) -> Result<Stage, ExactError> {
-        Stage::new(site, camera, self.isa)
+    pub(super) fn stage(self, site: Site, camera: Camera) -> Result<ExactStage, ExactError> {
+        ExactStage::new(site, camera, self.isa)
     }
 }
 
 /// What to render, and what it says about the number wanted.
-pub(super) struct Stage {
+pub(super) struct ExactStage {
     pub params: Params,
     /// The picture's mean is `share * wanted + rest`.
     pub share: f64,
@@ -52,9 +52,9 @@ pub(super) struct Stage {
     pub bound: f64,
 }
 
-impl Stage {
+impl ExactStage {
     /// The mean of the whole picture is the number wanted.
-    fn new(site: Site, camera: Camera, isa: Isa) -> Result<Stage, ExactError> {
+    fn new(site: Site, camera: Camera, isa: Isa) -> Result<ExactStage, ExactError> {
         let camera = site.camera(camera)?;
         let mut builder = site.builder;
         builder.camera = Some(camera);
@@ -62,24 +62,24 @@ impl Stage {
         let mut scene = builder.build();
         scene.set_isa(isa);
         // Paths share, where they can: that is what a picture is made by.
-        let group = Some(Group::ThirtyTwo);
+        let group = Some(ReuseGroup::ThirtyTwo);
         let params = Params { group, ..Params::new(Arc::new(scene)) };
-        Ok(Stage { params, share: 1.0, rest: 0.0, bound: ROUNDING })
+        Ok(ExactStage { params, share: 1.0, rest: 0.0, bound: ROUNDING })
     }
 
-    pub(super) fn model(mut self, model: Model) -> Stage {
+    pub(super) fn model(mut self, model: Model) -> ExactStage {
         self.params.model = model;
         self
     }
 
     /// At most this many scattering events; 1 leaves direct light.
-    pub(super) fn depth(mut self, depth: u32) -> Stage {
+    pub(super) fn depth(mut self, depth: u32) -> ExactStage {
         self.params.max_depth = Some(depth);
         self
     }
 
     /// Widens the bound.
-    pub(super) fn bounded(mut self, relative: f64) -> Stage {
+    pub(super) fn bounded(mut self, relative: f64) -> ExactStage {
         self.bound += relative;
         self
     }
@@ -102,7 +102,7 @@ pub(super) fn diffuse(
 }
 
 /// A black surface that emits.
-pub(super) fn lamp(site: &mut Site, radiance: f64) -> Result<MaterialId, ExactError> {
+pub(super) fn emitter(site: &mut Site, radiance: f64) -> Result<MaterialId, ExactError> {
     Ok(site.material(Material::light("lamp", [radiance; 3])?))
 }
 

@@ -1,9 +1,9 @@
 //! The table of answers, and what is asked of each scene.
 
 use super::known::Known;
-use super::stage::{Stage, Where};
-use super::{ExactError, glossy, lamps, rooms};
-use crate::math::lanes::Isa;
+use super::stage::{ExactStage, Where};
+use super::{ExactError, emitters, glossy, rooms};
+use crate::math::simd::Isa;
 use crate::measure::site::Somewhere;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -44,7 +44,7 @@ pub struct LeftOut {
 
 /// Every scene of the table, asked or left out.
 #[derive(Clone, Debug, Default)]
-pub struct Table {
+pub struct CaseTable {
     /// What can be asked, in the order of the table.
     pub cases: Vec<Case>,
     /// What cannot.
@@ -55,9 +55,9 @@ pub struct Table {
 
 /// All scenes. Fails only if the table, which is part of the program, is broken; a test holds that
 /// it is not.
-pub fn all() -> Result<Table, ExactError> {
-    let rows: Vec<Row> = serde_json::from_str(TABLE)?;
-    let mut table = Table { scenes: rows.len(), ..Table::default() };
+pub fn all() -> Result<CaseTable, ExactError> {
+    let rows: Vec<CaseRow> = serde_json::from_str(TABLE)?;
+    let mut table = CaseTable { scenes: rows.len(), ..CaseTable::default() };
     for row in rows {
         let scene = Arc::new(row.scene);
         let asked = row.expected.into_iter().filter(|(q, _)| !row.left_out.contains_key(q));
@@ -83,7 +83,7 @@ pub fn all() -> Result<Table, ExactError> {
 
 impl Case {
     /// The scene and where it is seen from.
-    pub(super) fn stage(&self) -> Result<Stage, ExactError> {
+    pub(super) fn stage(&self) -> Result<ExactStage, ExactError> {
         self.scene.stage(&self.quantity, self.at)
     }
 
@@ -100,7 +100,7 @@ impl Case {
 }
 
 #[derive(Debug, Deserialize)]
-struct Row {
+struct CaseRow {
     id: String,
     #[serde(flatten)]
     scene: Group,
@@ -116,16 +116,16 @@ struct Row {
 #[serde(tag = "group", rename_all = "snake_case")]
 pub(super) enum Group {
     Furnace(rooms::Furnace),
-    PlaneSphere(lamps::PlaneSphere),
-    PlaneRect(lamps::PlaneRect),
-    PlaneDisk(lamps::PlaneDisk),
-    PlaneQuad(lamps::PlaneQuad),
+    PlaneSphere(emitters::PlaneSphere),
+    PlaneRect(emitters::PlaneRect),
+    PlaneDisk(emitters::PlaneDisk),
+    PlaneQuad(emitters::PlaneQuad),
     Dome(glossy::Dome),
     Ball(glossy::Ball),
     SpecRect(glossy::SpecRect),
     SpecSphere(glossy::SpecSphere),
     Mirror(glossy::Mirror),
-    Plates(rooms::Plates),
+    ParallelPlanes(rooms::ParallelPlanes),
     Concentric(rooms::Concentric),
     Integrating(rooms::Integrating),
     Cavity(rooms::Cavity),
@@ -141,14 +141,14 @@ impl Group {
             Group::Ball(_) => "ball",
             Group::SpecRect(_) | Group::SpecSphere(_) => "glossy direct light",
             Group::Mirror(_) => "mirror limit",
-            Group::Plates(_) => "parallel plates",
+            Group::ParallelPlanes(_) => "parallel plates",
             Group::Concentric(_) => "concentric spheres",
             Group::Integrating(_) => "integrating sphere",
             Group::Cavity(_) => "glossy cavity",
         }
     }
 
-    fn stage(&self, quantity: &str, at: Where) -> Result<Stage, ExactError> {
+    fn stage(&self, quantity: &str, at: Where) -> Result<ExactStage, ExactError> {
         match self {
             Group::Furnace(s) => s.stage(quantity, at),
             Group::PlaneSphere(s) => s.stage(at),
@@ -160,7 +160,7 @@ impl Group {
             Group::SpecRect(s) => s.stage(at),
             Group::SpecSphere(s) => s.stage(at),
             Group::Mirror(s) => s.stage(at),
-            Group::Plates(s) => s.stage(quantity, at),
+            Group::ParallelPlanes(s) => s.stage(quantity, at),
             Group::Concentric(s) => s.stage(quantity, at),
             Group::Integrating(s) => s.stage(quantity, at),
             Group::Cavity(s) => s.stage(quantity, at),

@@ -2,7 +2,7 @@
 
 use super::ExactError;
 use super::glossy::Finish;
-use super::lobes::Seen;
+use super::lobes::SeenLobe;
 use crate::measure::check::quadrature::gauss;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -10,7 +10,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Two unit squares over each other, of these albedos, of which the lower one emits 1: the radiance
 /// that leaves their middles towards each other, by `points` points a side. Every bounce leaves
 /// less than the product of the albedos, so that the series is summed to the end.
-pub(super) fn plates(height: f64, albedo: [f64; 2], points: usize) -> [f64; 2] {
+pub(super) fn parallel_planes(height: f64, albedo: [f64; 2], points: usize) -> [f64; 2] {
     let rule = gauss(points);
     let places: Vec<[f64; 3]> = rule
         .iter()
@@ -69,7 +69,7 @@ pub(super) fn cavity(
         }));
     }
     let row = |mu: f64| -> Result<Vec<f64>, ExactError> {
-        let seen = Seen::new(finish, mu)?;
+        let seen = SeenLobe::new(finish, mu)?;
         let ring = |&[sin, cos, weight]: &[f64; 3]| {
             let term = |&[s, c, w]: &[f64; 3]| seen.of(DVec3::new(-sin * c, sin * s, cos)) * w;
             2.0 * weight * turns.iter().map(term).sum::<f64>()
@@ -98,7 +98,7 @@ mod tests {
     /// computed by 26 and by 40 points a side.
     #[test]
     fn plates_at_no_round_height_have_the_known_radiance() {
-        let [lower, upper] = plates(1.3, [0.7, 0.5], 26).map(|of_one| 2.0 * of_one);
+        let [lower, upper] = parallel_planes(1.3, [0.7, 0.5], 26).map(|of_one| 2.0 * of_one);
         assert!((lower - 2.015_469_83).abs() < 5.1e-9, "{lower}");
         assert!((upper - 0.158_604_12).abs() < 5.1e-9, "{upper}");
     }

@@ -2,7 +2,7 @@
 
 use super::{Area, COLOURS, Drawn, GREY, INK, words};
 use crate::brdf::Model;
-use crate::measure::lobe::{Axis, LobeCurves, Quantity};
+use crate::measure::lobe::{LobeAxis, LobeCurves, Quantity};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -44,7 +44,7 @@ pub fn lobe(curves: &LobeCurves, style: Style) -> Result<String, String> {
 struct Plot<'a, 'b> {
     area: &'a Area<'b>,
     curves: &'a LobeCurves,
-    axis: Axis,
+    axis: LobeAxis,
 }
 
 impl Plot<'_, '_> {

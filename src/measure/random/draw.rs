@@ -3,45 +3,50 @@
 use super::super::draw::Draw;
 use super::RandomError;
 use super::room::{Form, Room};
-use super::stage::Stage;
+use super::stage::RandomStage;
 use crate::brdf::Model;
-use crate::math::lanes::Isa;
+use crate::math::simd::Isa;
 use crate::progressive::Params;
 use crate::scene::{Camera, Material, MaterialId};
-use crate::trace::Group;
+use crate::trace::ReuseGroup;
 use glam::{DMat3, DQuat, DVec3};
 use std::sync::Arc;
 
 /// How a scene's emitters lie to other surfaces. Kinds take turns, so that a fault can be told by
 /// those that it is found in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// Lamps hang free.
+pub enum EmitterKind {
+    /// Emitters hang free.
     Free,
-    /// Lamps touch surfaces: lie on them, stand on them.
+    /// Emitters touch surfaces: lie on them, stand on them.
     Touching,
-    /// A lamp fills a hole of a wall, in its plane.
+    /// An emitter fills a hole of a wall, in its plane.
     Flush,
-    /// Emitters reflect: walls that glow, lamps that are not black.
+    /// Emitters reflect: walls that glow, emitters that are not black.
     Glowing,
-    /// Lamps lie in the plane of a wall and on top of it: an emitter is in front of what coincides
+    /// Emitters lie in the plane of a wall and on top of it: an emitter is in front of what coincides
     /// with it.
     Coincident,
 }
 
-impl Kind {
+impl EmitterKind {
     /// All of them, in turn.
-    pub const ALL: [Kind; 5] =
-        [Kind::Free, Kind::Touching, Kind::Flush, Kind::Glowing, Kind::Coincident];
+    pub const ALL: [EmitterKind; 5] = [
+        EmitterKind::Free,
+        EmitterKind::Touching,
+        EmitterKind::Flush,
+        EmitterKind::Glowing,
+        EmitterKind::Coincident,
+    ];
 
     /// In a word.
     pub fn name(self) -> &'static str {
         match self {
-            Kind::Free => "free lamps",
-            Kind::Touching => "touching lamps",
-            Kind::Flush => "flush lamps",
-            Kind::Glowing => "glowing surfaces",
-            Kind::Coincident => "coincident lamps",
+            EmitterKind::Free => "free lamps",
+            EmitterKind::Touching => "touching lamps",
+            EmitterKind::Flush => "flush lamps",
+            EmitterKind::Glowing => "glowing surfaces",
+            EmitterKind::Coincident => "coincident lamps",
         }
     }
 }
@@ -52,7 +57,7 @@ pub struct RandomScene {
     /// What it was drawn from.
     pub seed: u64,
     /// How its emitters lie.
-    pub kind: Kind,
+    pub kind: EmitterKind,
     /// Everything that is in it, a line a thing; lengths in units of the room.
     pub description: String,
     /// The engine's picture of it.
@@ -70,8 +75,8 @@ impl RandomScene {
     /// The scene of this seed: the same on every machine but for the instruction set, which goes
     /// round those that this one has.
     pub fn draw(seed: u64) -> Result<RandomScene, RandomError> {
-        let kind = Kind::ALL[(seed % 5) as usize];
-        let mut stage = Stage::new(Draw::new(FAMILY, seed), format!("random scene {seed}"));
+        let kind = EmitterKind::ALL[(seed % 5) as usize];
+        let mut stage = RandomStage::new(Draw::new(FAMILY, seed), format!("random scene {seed}"));
         let room = Room::draw(&mut stage.draw, kind);
         let room = furnish(&mut stage, room, kind)?;
         let camera = stage.camera(&room, kind)?;
@@ -86,7 +91,7 @@ impl RandomScene {
             _ => None,
         };
         // As users get them, and each size of group by itself.
-        let sizes = Group::ALL.map(Some);
+        let sizes = ReuseGroup::ALL.map(Some);
         let group = if draw.chance(0.4) { None } else { draw.one(&sizes) };
         let isas = Isa::available();
         let isa = isas[draw.below(isas.len())];
@@ -115,11 +120,15 @@ impl RandomScene {
 }
 
 /// Puts up the room with all that is in it.
-fn furnish(stage: &mut Stage, mut room: Room, kind: Kind) -> Result<Room, RandomError> {
-    let glows = kind == Kind::Glowing;
+fn furnish(
+    stage: &mut RandomStage,
+    mut room: Room,
+    kind: EmitterKind,
+) -> Result<Room, RandomError> {
+    let glows = kind == EmitterKind::Glowing;
     stage.tell(format_args!("{:?} around {}", room.form, room.centre));
     let hole = match kind {
-        Kind::Flush => Some(cut(stage, &mut room)),
+        EmitterKind::Flush => Some(cut(stage, &mut room)),
         _ => None,
     };
     let open = !room.is_closed();
@@ -143,16 +152,16 @@ fn furnish(stage: &mut Stage, mut room: Room, kind: Kind) -> Result<Room, Random
     for i in 0..count {
         if i == 0 || stage.draw.chance(0.5) {
             let reflects = glows || stage.draw.chance(0.2);
-            material = stage.lamp(reflects)?;
+            material = stage.emitter(reflects)?;
         }
         match kind {
-            Kind::Flush if i == 0 => {
+            EmitterKind::Flush if i == 0 => {
                 let wall = room.walls[hole.unwrap_or_default()].clone();
                 stage.filling(&wall, material)?;
             }
-            Kind::Coincident if i == 0 => stage.coincide(&room, material)?,
-            Kind::Touching => stage.touch(&room, material)?,
-            Kind::Glowing if stage.draw.chance(0.5) => stage.touch(&room, material)?,
+            EmitterKind::Coincident if i == 0 => stage.coincide(&room, material)?,
+            EmitterKind::Touching => stage.touch(&room, material)?,
+            EmitterKind::Glowing if stage.draw.chance(0.5) => stage.touch(&room, material)?,
             _ => stage.hang(&room, material)?,
         }
     }
@@ -174,7 +183,7 @@ fn furnish(stage: &mut Stage, mut room: Room, kind: Kind) -> Result<Room, Random
 }
 
 /// Cuts a hole in a wall, and keeps what is before it free.
-fn cut(stage: &mut Stage, room: &mut Room) -> usize {
+fn cut(stage: &mut RandomStage, room: &mut Room) -> usize {
     let which = stage.draw.below(room.walls.len());
     let wall = &mut room.walls[which];
     let draw = &mut stage.draw;
@@ -191,14 +200,14 @@ fn cut(stage: &mut Stage, room: &mut Room) -> usize {
 }
 
 /// Puts up the walls, which glow now and then if they may.
-fn walls(stage: &mut Stage, room: &Room, glows: bool) -> Result<(), RandomError> {
+fn walls(stage: &mut RandomStage, room: &Room, glows: bool) -> Result<(), RandomError> {
     // Light goes along round walls at grazing angles, where a smooth lobe keeps all of it.
     let smoothest = match room.form {
         Form::Sphere(_) | Form::Cylinder(..) => 0.2,
         _ => 1e-4,
     };
     let mut first = true;
-    let mut paint = |stage: &mut Stage| -> Result<MaterialId, RandomError> {
+    let mut paint = |stage: &mut RandomStage| -> Result<MaterialId, RandomError> {
         let mut surface = match stage.draw.chance(0.5) {
             true => stage.surface(smoothest)?,
             false => {
@@ -237,9 +246,9 @@ fn walls(stage: &mut Stage, room: &Room, glows: bool) -> Result<(), RandomError>
     }
 }
 
-impl Stage {
+impl RandomStage {
     /// An eye outside all that stands here, that looks at something in the room.
-    fn camera(&mut self, room: &Room, kind: Kind) -> Result<Camera, RandomError> {
+    fn camera(&mut self, room: &Room, kind: EmitterKind) -> Result<Camera, RandomError> {
         let mut eye = room.centre;
         for _ in 0..100 {
             let Some(place) = room.somewhere(&mut self.draw, 0.05) else { continue };
@@ -254,7 +263,7 @@ impl Stage {
             target = target.lerp(room.centre, 0.7);
         }
         let mut ry = self.draw.decades(0.3, 1.2);
-        let near = if kind == Kind::Glowing { 0.75 } else { 0.5 };
+        let near = if kind == EmitterKind::Glowing { 0.75 } else { 0.5 };
         if !self.spots.is_empty() && self.draw.chance(near) {
             // A close look: what goes wrong in a thousandth of a surface is lost in its mean.
             target = self.spots[self.draw.below(self.spots.len())];

@@ -1,6 +1,6 @@
 //! The engine's pictures of a scene against the reference tracer's.
 
-use super::{Kind, RandomError, RandomScene};
+use super::{EmitterKind, RandomError, RandomScene};
 use crate::film::normal_score;
 use crate::progressive::{Counts, Options, Params, Session, Snapshot, State};
 use crate::trace::{Scratch, Tracer};
@@ -60,7 +60,7 @@ pub const REGIONS: usize = GRID * GRID + 1;
 
 /// All regions at one look, twice: of the pictures that users get, which have nothing to do with
 /// those of the reference tracer; then of samples that the engine finds with the same random numbers
-/// as the reference tracer, without sharing and without further rays, which differ where rounding
+/// as the reference tracer, without sharing and without split rays, which differ where rounding
 /// turns a decision, and so tell far smaller faults.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
@@ -94,11 +94,11 @@ pub enum Verdict {
 
 /// A scene after its looks.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
+pub struct JudgedScene {
     /// The scene's seed.
     pub seed: u64,
     /// How its emitters lie.
-    pub kind: Kind,
+    pub kind: EmitterKind,
     /// What was found, look by look.
     pub looks: Vec<Look>,
     /// Regions that were off at every look, on the same side.
@@ -109,7 +109,7 @@ pub struct Outcome {
     pub verdict: Verdict,
 }
 
-impl Outcome {
+impl JudgedScene {
     /// The first look, which no result has called for.
     pub fn first(&self) -> Region {
         self.looks.first().map(Look::whole).unwrap_or_default()
@@ -143,11 +143,11 @@ impl Outcome {
 
 /// All scenes together.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Summary {
+pub struct RandomSummary {
     /// Scenes tried.
     pub scenes: usize,
     /// Seeds and kinds of those that differ.
-    pub failed: Vec<(u64, Kind)>,
+    pub failed: Vec<(u64, EmitterKind)>,
     /// The mean of how far the engine's whole pictures were off at the first look, each as a part
     /// of the reference tracer's.
     pub pooled: f64,
@@ -159,7 +159,7 @@ pub struct Summary {
     pub nonfinite: u64,
 }
 
-impl Summary {
+impl RandomSummary {
     /// Whether the pooled mean is within 1e-3, or not told from it by four of its standard errors.
     pub fn pooled_holds(&self) -> bool {
         let noise = if self.scenes > 1 { self.pooled_error } else { f64::INFINITY };
@@ -171,9 +171,9 @@ impl Summary {
 pub fn run(
     seeds: impl IntoIterator<Item = u64>,
     budget: Budget,
-    each: &mut dyn FnMut(&Outcome),
-) -> Result<Summary, RandomError> {
-    let mut summary = Summary::default();
+    each: &mut dyn FnMut(&JudgedScene),
+) -> Result<RandomSummary, RandomError> {
+    let mut summary = RandomSummary::default();
     let (mut off, mut squares) = (Vec::new(), 0.0);
     for seed in seeds {
         let outcome = judge(&RandomScene::draw(seed)?, budget)?;
@@ -193,8 +193,8 @@ pub fn run(
 }
 
 /// Renders a scene with both tracers, on all cores, until the looks have decided.
-pub fn judge(scene: &RandomScene, budget: Budget) -> Result<Outcome, RandomError> {
-    let mut outcome = Outcome {
+pub fn judge(scene: &RandomScene, budget: Budget) -> Result<JudgedScene, RandomError> {
+    let mut outcome = JudgedScene {
         seed: scene.seed,
         kind: scene.kind,
         looks: Vec::new(),
@@ -298,7 +298,7 @@ fn look(
 fn samples(params: &Params, passes: u64, counts: &mut Counts) -> Vec<f64> {
     let tracer = params.tracer();
     let mut scratch = tracer.scratch();
-    let mut sums = Sums::new(params.size);
+    let mut sums = LookSums::new(params.size);
     for pass in 0..passes {
         counts.nonfinite += add_pass(&tracer, pass, &mut sums, &mut scratch);
     }
@@ -307,7 +307,7 @@ fn samples(params: &Params, passes: u64, counts: &mut Counts) -> Vec<f64> {
 }
 
 /// Adds a pass of every pixel, each for itself; the number of samples that were not finite.
-fn add_pass(tracer: &Tracer, pass: u64, sums: &mut Sums, scratch: &mut Scratch) -> u64 {
+fn add_pass(tracer: &Tracer, pass: u64, sums: &mut LookSums, scratch: &mut Scratch) -> u64 {
     let [width, height] = sums.size.map(|s| s as u32);
     let pixels = &mut (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
     let (mut i, mut nonfinite) = (0, 0);
@@ -335,7 +335,7 @@ fn finished(session: &Session) -> Result<Snapshot, RandomError> {
 
 /// The means of the regions.
 fn regions(snapshot: &Snapshot) -> Vec<f64> {
-    let mut sums = Sums::new(snapshot.grid.size);
+    let mut sums = LookSums::new(snapshot.grid.size);
     for (i, &pixel) in snapshot.mean().pixels.iter().enumerate() {
         sums.add(i, pixel);
     }
@@ -343,14 +343,14 @@ fn regions(snapshot: &Snapshot) -> Vec<f64> {
 }
 
 /// Sums of pixels, by region.
-struct Sums {
+struct LookSums {
     size: [usize; 2],
     sums: [[f64; 2]; REGIONS],
 }
 
-impl Sums {
-    fn new(size: [u32; 2]) -> Sums {
-        Sums { size: size.map(|s| s as usize), sums: [[0.0; 2]; REGIONS] }
+impl LookSums {
+    fn new(size: [u32; 2]) -> LookSums {
+        LookSums { size: size.map(|s| s as usize), sums: [[0.0; 2]; REGIONS] }
     }
 
     /// A value of pixel `i`, row by row from the top left.

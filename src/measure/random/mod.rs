@@ -1,9 +1,9 @@
 //! Scenes drawn at random: the engine's pictures against the reference tracer's.
 //!
-//! [`RandomScene::draw`] makes a scene of nothing but a seed: a room or open ground, solids, lamps
+//! [`RandomScene::draw`] makes a scene of nothing but a seed: a room or open ground, solids, emitters
 //! of every shape that hang free, touch surfaces, lie in them, or reflect themselves, materials of
 //! every roughness, a depth limit, a camera, and a rotation, a scale and a place. [`judge`] holds
-//! the engine's pictures of it, as users get them (paths share, further rays look for lamps),
+//! the engine's pictures of it, as users get them (paths share, emitters are looked for by split rays),
 //! against those of the reference tracer, which share with it nothing but the scene, the formulas
 //! of the lobes and the sampling of lights.
 //!
@@ -15,14 +15,15 @@
 //! differs. With normal means that happens to a right program in one scene of 1e9.
 
 mod draw;
+mod emitters;
 mod judge;
-mod lamps;
 mod room;
 mod stage;
 
-pub use draw::{Kind, RandomScene};
+pub use draw::{EmitterKind, RandomScene};
 pub use judge::{
-    Budget, EFFECT, LOOKS, Look, Outcome, REGIONS, Region, SUSPECT, Summary, Verdict, judge, run,
+    Budget, EFFECT, JudgedScene, LOOKS, Look, REGIONS, RandomSummary, Region, SUSPECT, Verdict,
+    judge, run,
 };
 
 use crate::brdf::RoughnessError;

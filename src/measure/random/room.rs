@@ -1,7 +1,7 @@
 //! Rooms: what is around the things of a scene.
 
 use super::super::draw::Draw;
-use super::Kind;
+use super::EmitterKind;
 use glam::DVec3;
 
 /// A flat part of the surroundings: a parallelogram seen from one side.
@@ -74,13 +74,13 @@ pub(super) struct Room {
 
 impl Room {
     /// One that has flat walls, or is two plates, where the kind of its emitters wants that.
-    pub(super) fn draw(draw: &mut Draw, kind: Kind) -> Room {
+    pub(super) fn draw(draw: &mut Draw, kind: EmitterKind) -> Room {
         let mut size = || draw.within(0.6, 1.4);
         let (half, spare) = (DVec3::new(size(), size(), size()), size());
         let centre = draw.direction() * draw.unit();
         let forms = match kind {
-            Kind::Flush | Kind::Coincident => 6,
-            Kind::Glowing => 13,
+            EmitterKind::Flush | EmitterKind::Coincident => 6,
+            EmitterKind::Glowing => 13,
             _ => 10,
         };
         let form = match draw.below(forms) {

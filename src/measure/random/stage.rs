@@ -11,7 +11,7 @@ use glam::{DQuat, DVec3};
 use std::collections::HashMap;
 use std::fmt::Write;
 
-pub(super) struct Stage {
+pub(super) struct RandomStage {
     pub(super) site: Site,
     pub(super) place: Somewhere,
     pub(super) draw: Draw,
@@ -26,13 +26,13 @@ pub(super) struct Stage {
     pub(super) brightness: f64,
 }
 
-impl Stage {
-    pub(super) fn new(mut draw: Draw, name: String) -> Stage {
+impl RandomStage {
+    pub(super) fn new(mut draw: Draw, name: String) -> RandomStage {
         let place = Somewhere::draw(&mut draw);
         let brightness = draw.decades(1e-3, 1e3);
         let site = Site::new(name, place);
         let (taken, spots, told) = (Vec::new(), Vec::new(), String::new());
-        Stage { site, place, draw, taken, spots, told, brightness }
+        RandomStage { site, place, draw, taken, spots, told, brightness }
     }
 
     /// Adds a line to the description.
@@ -62,7 +62,7 @@ impl Stage {
         Ok(Material { roughness: Roughness::from_alpha(alpha.clamp(1e-4, 1.0))?, ..surface })
     }
 
-    /// The emission of a lamp.
+    /// The emission of an emitter.
     pub(super) fn radiance(&mut self, low: f64, high: f64) -> [f64; 3] {
         let level = self.draw.decades(low, high) * self.brightness;
         [0; 3].map(|_| level * self.draw.within(0.5, 1.0))

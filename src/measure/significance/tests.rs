@@ -66,7 +66,7 @@ fn exact_pictures_differ_or_not() {
     assert!(Significance::new(a, Noisy { mean: &wide, standard_error: None }).is_none());
 }
 
-/// A room with a glossy ball, a diffuse one, and a small lamp: sharp highlights, caustics, shadows.
+/// A room with a glossy ball, a diffuse one, and a small emitter: sharp highlights, caustics, shadows.
 fn room(model: Model, alpha: f64, seed: u64) -> Params {
     let mut b = SceneBuilder::new("room");
     let wall = Material::reflecting("wall", [0.6, 0.5, 0.4], [0.0; 3], 1.0).unwrap();
@@ -76,8 +76,8 @@ fn room(model: Model, alpha: f64, seed: u64) -> Params {
     let metal = b.material(metal);
     b.sphere(DVec3::new(0.7, 0.3, 0.0), 0.9, metal).unwrap();
     b.sphere(DVec3::new(-1.2, 0.8, -0.4), 0.6, wall).unwrap();
-    let lamp = b.material(Material::light("lamp", [40.0; 3]).unwrap());
-    b.sphere(DVec3::new(-1.7, -0.6, 2.2), 0.2, lamp).unwrap();
+    let emitter = b.material(Material::light("lamp", [40.0; 3]).unwrap());
+    b.sphere(DVec3::new(-1.7, -0.6, 2.2), 0.2, emitter).unwrap();
     b.camera = Some(Camera::look_at(DVec3::new(0.0, -2.9, 0.6), DVec3::Y, 1.1).unwrap());
     b.screen = [120, 90];
     let params = Params { model, seed, ..Params::new(Arc::new(b.build())) };

@@ -84,7 +84,7 @@ impl Variant {
 
 /// What is to be measured.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct SpeedPlan {
     /// Scene, size, depth; its seed is that of the first repeat.
     pub base: Params,
     /// What is held side by side.
@@ -114,7 +114,7 @@ pub enum Truth {
 
 /// What came of it.
 #[derive(Clone, Debug)]
-pub struct Experiment {
+pub struct SpeedExperiment {
     /// What was held to be right for each model.
     pub references: Vec<(Model, Reference)>,
     /// The curves, repeat by repeat.
@@ -181,7 +181,7 @@ pub enum SpeedError {
 
 /// What an experiment is about to do.
 #[derive(Clone, Copy, Debug)]
-pub enum Stage {
+pub enum SpeedStage {
     /// Rendering a reference.
     Reference(Model),
     /// Rendering each variant for a moment.
@@ -193,21 +193,21 @@ pub enum Stage {
 /// Passes of the warm-up: enough to have touched all of the code, the scene and the film.
 const WARM_UP: u64 = 4;
 
-impl Plan {
+impl SpeedPlan {
     /// Measures everything. `watch` is told what comes next.
     pub fn run(
         &self,
         truth: &Truth,
-        mut watch: impl FnMut(Stage),
-    ) -> Result<Experiment, SpeedError> {
+        mut watch: impl FnMut(SpeedStage),
+    ) -> Result<SpeedExperiment, SpeedError> {
         let references = self.references(truth, &mut watch)?;
-        watch(Stage::WarmUp);
+        watch(SpeedStage::WarmUp);
         for variant in &self.variants {
             render(variant.params(&self.base), WARM_UP.min(self.passes), self.threads)?;
         }
         let mut runs: Vec<Run> = Vec::new();
         for repeat in 0..self.repeats {
-            watch(Stage::Repeat(repeat));
+            watch(SpeedStage::Repeat(repeat));
             for (index, &variant) in self.variants.iter().enumerate() {
                 // The first repeat finds out how far a curve goes; the others follow it.
                 let first = runs.get(index).and_then(|run| run.points.last());
@@ -221,13 +221,13 @@ impl Plan {
                 runs.push(Run { variant, repeat, seed, points, flip });
             }
         }
-        Ok(Experiment { references, runs })
+        Ok(SpeedExperiment { references, runs })
     }
 
     fn references(
         &self,
         truth: &Truth,
-        watch: &mut impl FnMut(Stage),
+        watch: &mut impl FnMut(SpeedStage),
     ) -> Result<Vec<(Model, Reference)>, SpeedError> {
         let mut references: Vec<(Model, Reference)> = Vec::new();
         for &Variant { model, .. } in &self.variants {
@@ -237,7 +237,7 @@ impl Plan {
             let reference = match truth {
                 Truth::Given(reference) => reference.clone(),
                 Truth::Rendered { passes } => {
-                    watch(Stage::Reference(model));
+                    watch(SpeedStage::Reference(model));
                     let (strategy, normals) = (Strategy::Mis, Normals::Visible);
                     let best = Variant { model, strategy, normals, engine: true };
                     let half = |place: u64| {

@@ -1,7 +1,7 @@
 //! All repeats of a variant in a few figures.
 
 use super::super::error::{self, Measure, REL_MEAN_ERROR, REL_RMSE, Reference};
-use super::{Experiment, Fit, Point, Run, Spread, Variant};
+use super::{Fit, Point, Run, SpeedExperiment, Spread, Variant};
 
 /// A variant over all repeats.
 #[derive(Clone, Debug)]
@@ -47,7 +47,7 @@ impl Checkpoint {
     }
 }
 
-impl Experiment {
+impl SpeedExperiment {
     /// One for each variant, in the plan's order.
     pub fn summaries(&self) -> Vec<Summary> {
         let first = self.runs.iter().filter(|run| run.repeat == 0);

@@ -2,7 +2,7 @@
 
 use super::Driver;
 use crate::brdf::{Model, Roughness};
-use crate::progressive::outlet::Outlet;
+use crate::progressive::mailbox::Mailbox;
 use crate::progressive::session::Shared;
 use crate::progressive::turn::{Role, Turn};
 use crate::progressive::work::Workers;
@@ -23,7 +23,7 @@ fn hash(n: u64, stream: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// A glossy ball in the corner of a room with a lamp: some cells are much noisier than others.
+/// A glossy ball in the corner of a room with an emitter: some cells are much noisier than others.
 fn params() -> Params {
     let mut b = SceneBuilder::new("corner");
     let wall = Material::reflecting("wall", [0.6, 0.5, 0.4], [0.0; 3], 1.0).unwrap();
@@ -32,8 +32,8 @@ fn params() -> Params {
     let ball = Material::reflecting("ball", [0.1; 3], [0.7; 3], 60.0).unwrap();
     let ball = b.material(ball);
     b.sphere(DVec3::new(0.4, 0.3, 0.0), 1.0, ball).unwrap();
-    let lamp = b.material(Material::light("lamp", [30.0; 3]).unwrap());
-    b.sphere(DVec3::new(-1.7, -0.6, 2.2), 0.2, lamp).unwrap();
+    let emitter = b.material(Material::light("lamp", [30.0; 3]).unwrap());
+    b.sphere(DVec3::new(-1.7, -0.6, 2.2), 0.2, emitter).unwrap();
     b.camera = Some(Camera::look_at(DVec3::new(0.0, -2.9, 0.6), DVec3::Y, 1.1).unwrap());
     b.screen = [70, 50];
     Params::new(Arc::new(b.build()))
@@ -246,7 +246,7 @@ fn what_cannot_be_kept_is_not_traced_in_the_background_again() {
     let shared = Arc::new(Shared::new(params.clone(), 8, options(0)));
     let outlets = [(); 2].map(|()| {
         let (sender, receiver) = bounded(1);
-        Outlet::new(sender, receiver, Box::new(|| ()))
+        Mailbox::new(sender, receiver, Box::new(|| ()))
     });
     let mut driver = Driver::new(Workers::new(options(0), shared, outlets).unwrap(), None);
     driver.at.passes = 4;

@@ -4,7 +4,7 @@ use super::record::Record;
 use super::{Experiment, ExperimentError};
 use crate::film::{CELL, Film, FilmState};
 use crate::limits::fits;
-use crate::math::sequence::REPLICATES;
+use crate::math::sobol::REPLICATES;
 use crate::picture::{ReadTable, ReadTables, SaveError, Table, read_tables, write_with_tables};
 use crate::plain;
 use crate::progressive::{Recipe, TILE, TileGrid, plan};

@@ -2,12 +2,12 @@
 
 use super::{Experiment, ExperimentError};
 use crate::brdf::{Erratum, Model, Normals, Roughness};
-use crate::math::lanes::Isa;
+use crate::math::simd::Isa;
 use crate::plain;
 use crate::progressive::{FileRecipe, Params, Recipe};
 use crate::scene::read::parse_camera;
 use crate::scene::{Crop, Material, Scene};
-use crate::trace::{Group, Strategy};
+use crate::trace::{ReuseGroup, Strategy};
 use std::fmt::Display;
 use std::sync::Arc;
 
@@ -165,7 +165,7 @@ impl Recipe {
             normals: named("choice of normals", &self.normals, &Normals::ALL, Normals::name)?,
             erratum: self.erratum.as_ref().map(erratum).transpose()?,
             reference: self.reference,
-            group: Group::ALL.into_iter().find(|group| group.paths() == self.group.max(1)),
+            group: ReuseGroup::ALL.into_iter().find(|group| group.paths() == self.group.max(1)),
             uniform: self.uniform,
             first_pass: self.first_pass,
             ..params

@@ -24,7 +24,7 @@ use super::{
 use crate::film::{ErrorSums, Film, FilmError};
 use crate::picture::{Picture, ReadError};
 use crate::plain;
-use crate::trace::Group;
+use crate::trace::ReuseGroup;
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -137,7 +137,7 @@ impl Experiment {
     /// Of the films of a session's epoch.
     pub(super) fn of(
         params: &Params,
-        group: Option<Group>,
+        group: Option<ReuseGroup>,
         counts: Counts,
         films: Vec<Film>,
     ) -> Experiment {
@@ -198,10 +198,10 @@ impl Experiment {
     }
 
     /// How many neighbours share, once that is known.
-    pub(super) fn group(&self) -> Option<Group> {
+    pub(super) fn group(&self) -> Option<ReuseGroup> {
         let known = self.films.iter().any(|film| film.passes() > 0);
-        let is_it = |group: &Group| group.paths() == self.recipe.group.max(1);
-        Group::ALL.into_iter().find(is_it).filter(|_| known)
+        let is_it = |group: &ReuseGroup| group.paths() == self.recipe.group.max(1);
+        ReuseGroup::ALL.into_iter().find(is_it).filter(|_| known)
     }
 
     pub(super) fn counts(&self) -> Counts {

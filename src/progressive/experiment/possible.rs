@@ -2,7 +2,7 @@
 
 use super::Experiment;
 use crate::film::Film;
-use crate::math::sequence::REPLICATES;
+use crate::math::sobol::REPLICATES;
 use crate::progressive::Session;
 use crate::progressive::plan::{self, Plan};
 
@@ -44,7 +44,7 @@ impl Experiment {
         self.unplanned()
     }
 
-    /// Samples of each replicate where passes are dealt in turn, in a tile of so many passes.
+    /// Samples of each replicate where passes are grouped in turn, in a tile of so many passes.
     fn dealt(&self, passes: u64) -> [u64; REPLICATES] {
         let before = |end: u64| {
             let each = REPLICATES as u64;

@@ -2,13 +2,13 @@
 
 use super::Recipe;
 use crate::brdf::{Erratum, Model, Normals, Roughness};
-use crate::math::lanes::Isa;
+use crate::math::simd::Isa;
 use crate::picture::{Curve, Tone};
 use crate::plain;
 use crate::progressive::{Params, Session, plan};
 use crate::scene::Axis;
 use crate::scene::read::parse_camera;
-use crate::trace::{Group, Strategy};
+use crate::trace::{ReuseGroup, Strategy};
 
 impl Recipe {
     /// The first value that no render has, in words that follow "the recipe has ".
@@ -94,7 +94,7 @@ impl Recipe {
             .or_else(|| known("tone curve", &tone?.curve, &Curve::ALL.map(Curve::name)))
             .or_else(|| known("instruction set", &self.isa, &Isa::ALL.map(Isa::name)))
             .or_else(|| {
-                let sizes = || Group::ALL.into_iter().map(Group::paths);
+                let sizes = || ReuseGroup::ALL.into_iter().map(ReuseGroup::paths);
                 let wrong = self.group != 0 && !sizes().any(|paths| paths == self.group);
                 wrong.then(|| format!("groups of {} paths", self.group))
             })

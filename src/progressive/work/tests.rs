@@ -15,12 +15,12 @@ const PASSES: u64 = 40;
 /// A row of tiles is more than the shortest wave of one worker.
 const SIZE: [u32; 2] = [160, 200];
 
-/// Seven rows of tiles: half of the picture a lamp, the other half clay or, without clay, a sky that
+/// Seven rows of tiles: half of the picture an emitter, the other half clay or, without clay, a sky that
 /// is no number.
 fn params(clay: bool) -> Params {
     let mut b = SceneBuilder::new("a lamp and a wall");
-    let lamp = b.material(Material::light("lamp", [2.0; 3]).unwrap());
-    b.cuboid(DVec3::new(-50.0, 1.0, -50.0), DVec3::new(50.0, 0.0, 100.0), lamp).unwrap();
+    let emitter = b.material(Material::light("lamp", [2.0; 3]).unwrap());
+    b.cuboid(DVec3::new(-50.0, 1.0, -50.0), DVec3::new(50.0, 0.0, 100.0), emitter).unwrap();
     if clay {
         let wall = Material::reflecting("clay", [0.6, 0.4, 0.3], [0.1; 3], 40.0).unwrap();
         let wall = b.material(wall);
@@ -30,7 +30,7 @@ fn params(clay: bool) -> Params {
     b.environment = if clay { [0.5, 0.7, 1.0] } else { [f32::NAN; 3] };
     b.camera = Some(Camera::look_at(DVec3::ZERO, DVec3::Y, 0.8).unwrap());
     b.screen = SIZE;
-    Params { group: Some(Group::Sixteen), ..Params::new(Arc::new(b.build())) }
+    Params { group: Some(ReuseGroup::Sixteen), ..Params::new(Arc::new(b.build())) }
 }
 
 /// An empty one of the picture that is shown.
@@ -40,10 +40,10 @@ fn accumulator(params: Params, threads: usize) -> Accumulator {
 }
 
 /// Outlets that nobody listens to.
-fn quiet() -> [Outlet; 2] {
+fn quiet() -> [Mailbox; 2] {
     [(); 2].map(|()| {
         let (sender, receiver) = bounded(1);
-        Outlet::new(sender, receiver, Box::new(|| ()))
+        Mailbox::new(sender, receiver, Box::new(|| ()))
     })
 }
 
@@ -58,7 +58,7 @@ fn interrupted(params: &Params, threads: usize) -> Snapshot {
     let outlets = [(); 2].map(|()| {
         let (sender, receiver) = bounded(1);
         let pausing = shared.clone();
-        Outlet::new(sender, receiver, Box::new(move || pausing.pause(true)))
+        Mailbox::new(sender, receiver, Box::new(move || pausing.pause(true)))
     });
     let workers = Workers::new(options, shared.clone(), outlets).unwrap();
     let Accumulator { mut epoch, mut films } = accumulator(params.clone(), threads);
@@ -162,7 +162,7 @@ fn no_row_is_left_behind_while_others_are_shown() {
     let Accumulator { epoch, mut films } = accumulator(params(true), 1);
     let mut store = Store::default();
     for pass in 0..30 {
-        workers.passes(&epoch, &mut films, &mut store, pass..pass + 1, Group::None);
+        workers.passes(&epoch, &mut films, &mut store, pass..pass + 1, ReuseGroup::None);
         let shown = epoch.snapshot(State::Running, pass + 1);
         for tile in shown.tiles.iter().flatten() {
             assert!(tile.passes + tile.passes / 8 > pass, "{} of {}", tile.passes, pass + 1);

@@ -129,7 +129,7 @@ impl Files for Memory<'_> {
 }
 
 /// Remembers what was read, for [`Source::files`].
-pub(super) struct Recorder<'a> {
+pub(super) struct FileRecorder<'a> {
     files: &'a dyn Files,
     seen: RefCell<Vec<SourceFile>>,
     names: RefCell<HashSet<String>>,
@@ -139,15 +139,15 @@ pub(super) struct Recorder<'a> {
     outside: RefCell<Vec<PathBuf>>,
 }
 
-impl<'a> Recorder<'a> {
+impl<'a> FileRecorder<'a> {
     /// Begins with a scene's own file.
-    pub(super) fn new(own: &Path, bytes: &[u8], files: &'a dyn Files) -> Recorder<'a> {
+    pub(super) fn new(own: &Path, bytes: &[u8], files: &'a dyn Files) -> FileRecorder<'a> {
         let name = own.file_name().unwrap_or(own.as_os_str()).to_string_lossy();
         let own = record(&name, own.to_owned(), bytes);
         let folder = fs::canonicalize(&own.path).ok();
         let folder = folder.and_then(|path| path.parent().map(Path::to_owned));
         let (names, outside) = (RefCell::default(), RefCell::default());
-        Recorder { files, seen: RefCell::new(vec![own]), names, folder, outside }
+        FileRecorder { files, seen: RefCell::new(vec![own]), names, folder, outside }
     }
 
     /// A scene is one folder's affair; where it reaches beyond, who opens it is to know.
@@ -178,7 +178,7 @@ impl<'a> Recorder<'a> {
     }
 }
 
-impl Files for Recorder<'_> {
+impl Files for FileRecorder<'_> {
     fn find(&self, name: &str) -> Result<(PathBuf, Cow<'_, [u8]>), Error> {
         let (path, bytes) = self.files.find(name)?;
         // Those that are in the program or in memory as well.

@@ -38,8 +38,10 @@ pub use log::{Fault, ReadError};
 pub use scn::{parse_camera, read_scn};
 
 use super::doubles::Origin;
-use super::{Axis, Camera, Material, Mesh, MeshCounts, Report, SceneBuilder, Stage, StageError};
-use files::Recorder;
+use super::{
+    Axis, Camera, Material, Mesh, MeshCounts, ModelStage, Report, SceneBuilder, StageError,
+};
+use files::FileRecorder;
 use glam::{DAffine3, DVec3};
 use log::Log;
 use std::path::Path;
@@ -47,7 +49,7 @@ use std::path::Path;
 /// Reads the scene or model in this file, by its ending.
 ///
 /// A model alone is stood upright and framed by the camera, 640 by 480 pixels; if nothing in it
-/// emits, it is put on a [`Stage`]. The report's notes say so.
+/// emits, it is put on a [`ModelStage`]. The report's notes say so.
 pub fn open(path: &Path) -> Result<(SceneBuilder, Report), ReadError> {
     open_with(path, &Disk::beside(path))
 }
@@ -148,7 +150,7 @@ fn read_obj(
     let mut log = Log::new(name);
     let mut builder = SceneBuilder::new(title(name));
     let model = obj::read(bytes, &mut log)?;
-    let record = Recorder::new(name, bytes, files);
+    let record = FileRecorder::new(name, bytes, files);
     let parts = obj::materials(&model, &record, &mut builder, &mut log)?;
     record.remarks().into_iter().for_each(|note| log.note(note));
     builder.source = record.finish();
@@ -172,7 +174,7 @@ fn read_ply(
     let mut log = Log::new(name);
     let mut builder = SceneBuilder::new(title(name));
     let mesh = ply::read(bytes, &mut log)?;
-    builder.source = Recorder::new(name, bytes, &Memory(&[])).finish();
+    builder.source = FileRecorder::new(name, bytes, &Memory(&[])).finish();
     log.note(format!("a PLY file has no material: {GREY_IS}"));
     let grey = builder.material(grey(&log)?);
     let upright = stand(&mut builder, &mesh, Axis::Z, options, &mut log);
@@ -219,7 +221,7 @@ fn alone(
     settle(&mut builder, &mut log);
     if !builder.is_lit() {
         let (low, high) = builder.bounds();
-        let stage = if options.bare { None } else { Stage::around(low, high) };
+        let stage = if options.bare { None } else { ModelStage::around(low, high) };
         match stage {
             Some(stage) => {
                 put_up(stage, [low, high], &mut builder)
@@ -239,7 +241,7 @@ fn alone(
 
 /// Puts a model of these bounds on a stage and frames it.
 fn put_up(
-    stage: Stage,
+    stage: ModelStage,
     [low, high]: [DVec3; 2],
     builder: &mut SceneBuilder,
 ) -> Result<(), StageError> {

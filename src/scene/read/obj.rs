@@ -26,15 +26,15 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 /// What an OBJ file holds.
-pub(super) struct Model {
+pub(super) struct ObjModel {
     /// The whole file as one mesh, its triangles ordered by part.
     pub(super) mesh: Mesh,
-    parts: Vec<Part>,
+    parts: Vec<ObjPart>,
     /// The MTL files it names, with the line.
     libraries: Vec<(usize, Name)>,
 }
 
-impl Model {
+impl ObjModel {
     /// The line that gives each part its material.
     pub(super) fn lines(&self) -> impl Iterator<Item = Option<usize>> {
         self.parts.iter().map(|part| part.material.as_ref().map(|(_, line)| *line))
@@ -42,14 +42,14 @@ impl Model {
 }
 
 /// All faces of one object or group that have the same material.
-struct Part {
+struct ObjPart {
     /// Name and line of the `usemtl`.
     material: Option<(Name, usize)>,
     triangles: Range<usize>,
 }
 
 /// Reads the geometry, and the names of the materials but not those themselves.
-pub(super) fn read(bytes: &[u8], log: &mut Log) -> Result<Model, ReadError> {
+pub(super) fn read(bytes: &[u8], log: &mut Log) -> Result<ObjModel, ReadError> {
     if bytes.is_empty() {
         return Err(log.error(None, "the file is empty"));
     }
@@ -74,7 +74,7 @@ pub(super) fn read(bytes: &[u8], log: &mut Log) -> Result<Model, ReadError> {
 
 /// Adds the materials of a model that is opened by itself: each part with its material's number.
 pub(super) fn materials(
-    model: &Model,
+    model: &ObjModel,
     files: &dyn Files,
     builder: &mut SceneBuilder,
     log: &mut Log,

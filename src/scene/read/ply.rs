@@ -15,9 +15,9 @@ use super::ReadError;
 use super::log::Log;
 use super::polygon::triangulate;
 use crate::scene::Mesh;
-use elements::{Elements, Face, NO_VERTEX};
+use elements::{Elements, NO_VERTEX, PlyFace};
 use glam::DVec3;
-use header::Role;
+use header::PlyRole;
 use ply_rs_bw::ply::Encoding;
 
 /// Reads a mesh; polygons and strips become triangles.
@@ -36,7 +36,7 @@ pub(super) fn read(bytes: &[u8], log: &mut Log) -> Result<Mesh, ReadError> {
     let has_normals = header
         .elements
         .iter()
-        .filter(|e| e.role == Role::Vertex)
+        .filter(|e| e.role == PlyRole::PlyVertex)
         .any(|e| e.properties.iter().any(|p| p.used == Some(header::NORMAL[0])));
     mesh(&elements, has_normals, log)
 }
@@ -92,7 +92,7 @@ fn mesh(elements: &Elements, has_normals: bool, log: &mut Log) -> Result<Mesh, R
 }
 
 /// The triangles of strips. Returns how many strips were too short to have any.
-fn unrolled(strips: &[Face], vertices: usize, triangles: &mut Vec<[u32; 3]>) -> usize {
+fn unrolled(strips: &[PlyFace], vertices: usize, triangles: &mut Vec<[u32; 3]>) -> usize {
     // -1 ends a strip, and so does what -1 becomes where indices have no sign.
     let ends = |&i: &u32| i == NO_VERTEX || (i == 0xff || i == 0xffff) && i as usize >= vertices;
     let mut too_short = 0;

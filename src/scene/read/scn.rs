@@ -2,7 +2,7 @@
 
 mod args;
 
-use super::files::{Files, Recorder};
+use super::files::{FileRecorder, Files};
 use super::log::{Errors, Log, ReadError};
 use super::{Format, left_out, model, settle, text, title};
 use crate::limits::SCREEN_SIDE as MAX_SIDE;
@@ -24,8 +24,8 @@ pub fn read_scn(
 ) -> Result<(SceneBuilder, Report), ReadError> {
     let log = Log::new(name);
     let text = text::decode(bytes, &log)?;
-    let record = Recorder::new(name, bytes, files);
-    let mut reader = Reader {
+    let record = FileRecorder::new(name, bytes, files);
+    let mut reader = ScnReader {
         builder: SceneBuilder::new(title(name)),
         log,
         files: &record,
@@ -97,7 +97,7 @@ pub fn parse_camera(text: &str) -> Result<Camera, String> {
 }
 
 /// What the lines so far have brought.
-struct Reader<'a> {
+struct ScnReader<'a> {
     builder: SceneBuilder,
     log: Log,
     files: &'a dyn Files,
@@ -143,23 +143,23 @@ impl Current {
 
 /// What a command is called, its arguments, and what it does with them.
 type Command<'a> =
-    (&'static str, &'static str, fn(&mut Reader<'a>, &mut Args) -> Result<(), Problem>);
+    (&'static str, &'static str, fn(&mut ScnReader<'a>, &mut Args) -> Result<(), Problem>);
 
-impl<'a> Reader<'a> {
+impl<'a> ScnReader<'a> {
     /// The commands. Arguments in brackets are given all or not at all; `ORIENT` is any number of
     /// `x deg`, `y deg`, `z deg`, `q w x y z` and `a deg ax ay az`.
     const COMMANDS: [Command<'a>; 11] = [
-        ("screen", "W H", Reader::screen),
-        ("camera", CAMERA, Reader::camera),
-        ("ambient", "r g b", Reader::ambient),
-        ("brdf", "Kd Kd Kd Ks Ks Ks a_p [Kt Kt Kt ior]", Reader::brdf),
-        ("light", "r g b", Reader::light),
-        ("sphere", "cx cy cz r", Reader::sphere),
-        ("box", "x y z dx dy dz", Reader::cuboid),
-        ("cylinder", "bx by bz ax ay az r", Reader::cylinder),
-        ("mesh", "FILE tx ty tz s ORIENT", Reader::mesh),
-        ("environment", "r g b", Reader::environment),
-        ("caption", "TEXT", Reader::caption),
+        ("screen", "W H", ScnReader::screen),
+        ("camera", CAMERA, ScnReader::camera),
+        ("ambient", "r g b", ScnReader::ambient),
+        ("brdf", "Kd Kd Kd Ks Ks Ks a_p [Kt Kt Kt ior]", ScnReader::brdf),
+        ("light", "r g b", ScnReader::light),
+        ("sphere", "cx cy cz r", ScnReader::sphere),
+        ("box", "x y z dx dy dz", ScnReader::cuboid),
+        ("cylinder", "bx by bz ax ay az r", ScnReader::cylinder),
+        ("mesh", "FILE tx ty tz s ORIENT", ScnReader::mesh),
+        ("environment", "r g b", ScnReader::environment),
+        ("caption", "TEXT", ScnReader::caption),
     ];
 
     /// The comment on the line above, or else the command and its line.

@@ -1,32 +1,32 @@
 //! Lights: which to ask, where on it, and with what density.
 //!
 //! One table of everything that emits, for one path or many side by side. A light is chosen in
-//! proportion to [what may come from it](estimate), of up to sixteen by looking at all, of more by
-//! [a tree](tree). Spheres are sampled by the solid angle that they fill, [rectangles](rectangle)
+//! proportion to [what may come from it](importance), of up to sixteen by looking at all, of more by
+//! [a tree](tree). Spheres are sampled by the solid angle that they fill, [rectangles](spherical_rectangle)
 //! too where they are near, everything else by area, the environment by the cosine. All of this is
-//! a function of the surface point and the light alone, so that a light met by chance has the
+//! a function of the surface point and the light alone, so that a light hit by chance has the
 //! density with which it would have been asked for.
 
-mod estimate;
-mod pairs;
-mod rectangle;
-mod shapes;
+mod importance;
+mod merge_triangles;
+mod sample;
+mod spherical_rectangle;
 #[cfg(test)]
 mod tests;
 mod tree;
 
-pub(super) use estimate::Receiver;
-pub(super) use shapes::{Asked, SHADOW_END};
+pub(super) use importance::LightSampleContext;
+pub(super) use sample::{LightSample, SHADOW_END};
 
-use crate::geometry::{Bvh, Extent, Geometry, Kind, NO_PLATE, Passing};
-use crate::math::lanes::{Bits, Lane, Packet};
-use crate::math::table::Table;
+use crate::geometry::{Aabb, Bvh, Geometry, Kind, NO_QUAD, PacketSlabs};
+use crate::math::gather_table::GatherTable;
+use crate::math::simd::{Bits, Simd, SimdWide};
 use crate::math::{Rgb, V3, warp};
 use crate::scene::{Material, Scene};
-use estimate::Bound;
-use shapes::{FIELDS, Shape};
+use importance::LightBounds;
+use sample::{FIELDS, LightShape};
 use std::f32::consts::PI;
-use tree::Tree;
+use tree::LightBvh;
 
 /// The largest number below 1.
 const ALMOST_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
@@ -45,21 +45,21 @@ const NONE: u32 = u32::MAX;
 /// All that emits.
 #[derive(Debug)]
 pub(super) struct Lights {
-    records: Table<FIELDS>,
+    records: GatherTable<FIELDS>,
     /// What is looked at: every light, or branches of the tree.
-    branches: Vec<Bound>,
+    branches: Vec<LightBounds>,
     /// What they are, by place or as the tree has it. The environment, if it shines, is the last
     /// light and the last here.
     links: Vec<u32>,
     /// First and last primitive of each light, where some are behind what they coincide with.
     hidden: Vec<[u32; 2]>,
     /// Over lights that are more than [`FEW`].
-    tree: Option<Tree>,
+    tree: Option<LightBvh>,
     /// Ranges of primitives that emit: first, count, and the first one's place in `light_of`.
     ranges: Vec<[u32; 3]>,
     light_of: Vec<u32>,
-    /// Around all that can be met: each, or everything together.
-    extents: Vec<Extent>,
+    /// Around all that can be hit: each, or everything together.
+    aabbs: Vec<Aabb>,
     environment: Rgb,
     /// Luminance in units of the brightest light's; 0 for none.
     sky: f32,
@@ -67,7 +67,7 @@ pub(super) struct Lights {
 }
 
 /// A light, its probability, and what is left of the number that chose it, uniform again.
-struct Choice<P: Lane> {
+struct LightChoice<P: Simd> {
     index: P::Bits,
     probability: P,
     rest: P,
@@ -101,7 +101,7 @@ impl Lights {
             let base = light_of.len();
             ranges.push([shape.first, shape.count, base as u32]);
             light_of.resize(base + shape.count as usize, NONE);
-            for (shape, primitives) in shapes::of(geometry, shape) {
+            for (shape, primitives) in sample::of(geometry, shape) {
                 if !(shape.area() > 0.0 && shape.area() < f32::INFINITY) {
                     continue;
                 }
@@ -111,9 +111,9 @@ impl Lights {
                 }
                 let [a, b] = primitives.map(|primitive| bvh.number_of(primitive));
                 // Of a cylinder either side is asked for, and the near one hides the far one.
-                let whole = a == b && !matches!(shape, Shape::Cylinder(..));
-                let plate = if whole { a } else { NO_PLATE };
-                records.push(shape.record(primitives[0], radiance, plate, geometry.least_error()));
+                let whole = a == b && !matches!(shape, LightShape::Cylinder(..));
+                let quad = if whole { a } else { NO_QUAD };
+                records.push(shape.record(primitives[0], radiance, quad, geometry.least_error()));
                 hidden.push(primitives);
                 bounds.push(shape.bound(relative(radiance)));
             }
@@ -123,17 +123,17 @@ impl Lights {
         }
         let sky = if environment.is_black() { 0.0 } else { relative(environment) };
         if sky > 0.0 {
-            records.push(Shape::Environment.record(u32::MAX, environment, NO_PLATE, 0.0));
+            records.push(LightShape::Environment.record(u32::MAX, environment, NO_QUAD, 0.0));
         }
-        let boxes = bounds.iter().map(|b| Extent { centre: b.centre, half: b.half });
-        let extents = match bounds.len() {
+        let boxes = bounds.iter().map(|b| Aabb { centre: b.centre, half: b.half });
+        let aabbs = match bounds.len() {
             ..=FEW => boxes.collect(),
-            _ => Extent::around(boxes).into_iter().collect(),
+            _ => Aabb::around(boxes).into_iter().collect(),
         };
         let mut links: Vec<u32> = (0..bounds.len() as u32).collect();
         let (mut branches, mut tree, mut leaf) = (bounds, None, 0);
         if records.len() > FEW {
-            let (over, parts) = Tree::new(&branches, BRANCHES);
+            let (over, parts) = LightBvh::new(&branches, BRANCHES);
             links = parts.iter().map(|part| part.link).collect();
             branches = parts.iter().map(|part| part.bound).collect();
             (tree, leaf) = (Some(over), tree::LEAF);
@@ -141,7 +141,7 @@ impl Lights {
         if sky > 0.0 {
             links.push(leaf | (records.len() as u32 - 1));
         }
-        let records = Table::new(records);
+        let records = GatherTable::new(records);
         Lights {
             records,
             branches,
@@ -150,7 +150,7 @@ impl Lights {
             tree,
             ranges,
             light_of,
-            extents,
+            aabbs,
             environment,
             sky,
             equally,
@@ -167,23 +167,23 @@ impl Lights {
         self.count() > 1
     }
 
-    /// The boxes of lamps, where they are so few that each has its own.
-    pub(super) fn lamps_apart(&self) -> &[Extent] {
-        if self.tree.is_none() { &self.extents } else { &[] }
+    /// The boxes of emitters, where they are so few that each has its own.
+    pub(super) fn emitter_boxes(&self) -> &[Aabb] {
+        if self.tree.is_none() { &self.aabbs } else { &[] }
     }
 
-    /// Whether lamps are all that shines.
-    pub(super) fn are_lamps(&self) -> bool {
+    /// Whether emitters are all that shines.
+    pub(super) fn has_no_environment(&self) -> bool {
         self.sky == 0.0
     }
 
-    /// The rays that may meet something that emits: from those that are not, there comes nothing.
+    /// The rays that may hit something that emits: from those that are not, there comes nothing.
     #[inline(always)]
-    pub(super) fn may_be_met<P: Packet>(&self, o: V3<P>, d: V3<P>) -> P::Mask {
+    pub(super) fn may_hit_emitter<P: SimdWide>(&self, o: V3<P>, d: V3<P>) -> P::Mask {
         let mut may = P::mask(if self.sky > 0.0 { u32::MAX } else { 0 });
-        let passing = Passing::new(o, d);
-        for extent in &self.extents {
-            may = may | passing.meet(extent, P::splat(f32::INFINITY));
+        let slabs = PacketSlabs::new(o, d);
+        for aabb in &self.aabbs {
+            may = may | slabs.may_hit(aabb, P::splat(f32::INFINITY));
         }
         may
     }
@@ -198,36 +198,42 @@ impl Lights {
     /// uniform number for which one and two for where on it. There has to be a light. Points that are
     /// behind another surface in the same place are not found.
     #[inline(always)]
-    pub(super) fn sample<P: Packet>(
+    pub(super) fn sample<P: SimdWide>(
         &self,
         bvh: &Bvh,
         geometry: &Geometry,
-        to: &Receiver<P>,
+        to: &LightSampleContext<P>,
         choice: P,
         u: [P; 2],
-    ) -> Asked<P> {
+    ) -> LightSample<P> {
         let chosen = self.choose(to, choice);
         let record = self.records.get::<P>(chosen.index);
-        let mut asked = shapes::sample(geometry, &record, to, chosen.rest, u);
-        asked.pdf = asked.pdf * chosen.probability;
+        let mut sample = sample::sample(geometry, &record, to, chosen.rest, u);
+        sample.pdf = sample.pdf * chosen.probability;
         if !self.hidden.is_empty() {
             let mut lights = [0; 16];
             P::store_bits(chosen.index, &mut lights);
-            asked.pass_over(|lane, p, ng| {
+            sample.drop_hidden(|lane, p, ng| {
                 let primitives = self.hidden.get(lights[lane] as usize).into_iter().flatten();
                 primitives.copied().any(|i| bvh.coincident().is_behind(geometry, i, p, ng))
             });
         }
         let zero = P::splat(0.0);
-        asked.found = asked.found & asked.pdf.gt(zero) & asked.pdf.lt(P::splat(f32::INFINITY));
-        asked
+        sample.found = sample.found & sample.pdf.gt(zero) & sample.pdf.lt(P::splat(f32::INFINITY));
+        sample
     }
 
-    /// Density with which [`Lights::sample`] finds the direction `wi` in which `primitive` was met
+    /// Density with which [`Lights::sample`] finds the direction `wi` in which `primitive` was hit
     /// at a distance, its surface at this cosine to the direction. In 1/sr.
-    pub(super) fn pdf(&self, to: &Receiver, primitive: u32, distance: f32, cos: f32) -> f32 {
+    pub(super) fn pdf(
+        &self,
+        to: &LightSampleContext,
+        primitive: u32,
+        distance: f32,
+        cos: f32,
+    ) -> f32 {
         let Some(light) = self.light_of(primitive) else { return 0.0 };
-        let density = shapes::pdf(self.records.record(light), to.p, distance, cos);
+        let density = sample::pdf(self.records.record(light), to.p, distance, cos);
         density * self.probability(to, light)
     }
 
@@ -243,7 +249,7 @@ impl Lights {
     /// Density with which [`Lights::sample`] finds a direction at this cosine to the normal that
     /// hits nothing, in 1/sr.
     #[inline(always)]
-    pub(super) fn environment_pdf<P: Packet>(&self, to: &Receiver<P>, cos: P) -> P {
+    pub(super) fn environment_pdf<P: SimdWide>(&self, to: &LightSampleContext<P>, cos: P) -> P {
         let density = warp::cosine_hemisphere_pdf(cos.max(P::splat(0.0)));
         if self.sky <= 0.0 {
             return P::splat(0.0);
@@ -260,10 +266,10 @@ impl Lights {
     }
 
     #[inline(always)]
-    fn choose<P: Packet>(&self, to: &Receiver<P>, choice: P) -> Choice<P> {
+    fn choose<P: SimdWide>(&self, to: &LightSampleContext<P>, choice: P) -> LightChoice<P> {
         let (zero, one) = (P::splat(0.0), P::splat(1.0));
         if self.count() == 1 {
-            return Choice { index: P::Bits::splat(0), probability: one, rest: choice };
+            return LightChoice { index: P::Bits::splat(0), probability: one, rest: choice };
         }
         if self.equally {
             return self.choose_equally(choice);
@@ -271,18 +277,18 @@ impl Lights {
         let mut weights = [zero; MOST];
         let total = self.weigh(to, &mut weights);
         let wanted = choice * total;
-        let (mut index, mut start, mut width) = (P::Bits::splat(0), zero, zero);
+        let (mut index, mut start, mut roughness) = (P::Bits::splat(0), zero, zero);
         let mut end = zero;
         for (&link, &weight) in self.links.iter().zip(&weights) {
             let here = end.le(wanted) & weight.gt(zero);
             index = P::select_bits(here, P::Bits::splat(link), index);
             start = P::select(here, end, start);
-            width = P::select(here, weight, width);
+            roughness = P::select(here, weight, roughness);
             end = end + weight;
         }
-        let rest = ((wanted - start) / width).max(zero).min(P::splat(ALMOST_ONE));
-        let probability = (width / total).or_zero(total.gt(zero));
-        let chosen = Choice { index, probability, rest };
+        let rest = ((wanted - start) / roughness).max(zero).min(P::splat(ALMOST_ONE));
+        let probability = (roughness / total).or_zero(total.gt(zero));
+        let chosen = LightChoice { index, probability, rest };
         match &self.tree {
             Some(tree) => tree.choose(to, chosen),
             None => chosen,
@@ -291,7 +297,7 @@ impl Lights {
 
     /// The weights by which one of the branches or the environment is chosen, and their sum.
     #[inline(always)]
-    fn weigh<P: Packet>(&self, to: &Receiver<P>, weights: &mut [P; MOST]) -> P {
+    fn weigh<P: SimdWide>(&self, to: &LightSampleContext<P>, weights: &mut [P; MOST]) -> P {
         let zero = P::splat(0.0);
         let mut sum = zero;
         for (weight, bound) in weights.iter_mut().zip(&self.branches) {
@@ -300,7 +306,7 @@ impl Lights {
         }
         if self.sky > 0.0 {
             let sky = &mut weights[self.branches.len()];
-            *sky = estimate::environment(self.sky, to);
+            *sky = importance::environment(self.sky, to);
             sum = sum + *sky;
         }
         let count = self.links.len();
@@ -314,7 +320,7 @@ impl Lights {
     }
 
     /// The probability with which a light other than the environment is chosen.
-    fn probability(&self, to: &Receiver, light: usize) -> f32 {
+    fn probability(&self, to: &LightSampleContext, light: usize) -> f32 {
         if self.count() == 1 {
             return 1.0;
         }
@@ -335,7 +341,7 @@ impl Lights {
 
     #[cold]
     #[inline(never)]
-    fn choose_equally<P: Packet>(&self, choice: P) -> Choice<P> {
+    fn choose_equally<P: SimdWide>(&self, choice: P) -> LightChoice<P> {
         let count = self.count() as f32;
         let (mut number, mut index) = ([0.0; 16], [0; 16]);
         (choice * P::splat(count)).store(&mut number);
@@ -344,7 +350,7 @@ impl Lights {
             (*index, *number) = (whole as u32, (*number - whole).clamp(0.0, ALMOST_ONE));
         }
         let probability = P::splat(1.0 / count);
-        Choice { index: P::load_bits(&index), probability, rest: P::load(&number) }
+        LightChoice { index: P::load_bits(&index), probability, rest: P::load(&number) }
     }
 }
 

@@ -1,10 +1,10 @@
 //! Every sampler against its own density, every choice against its own probability.
 
-use super::estimate::Receiver;
-use super::rectangle::Spherical;
-use super::shapes::cones;
+use super::importance::LightSampleContext;
+use super::sample::cones;
+use super::spherical_rectangle::SphericalRectangle;
 use super::*;
-use crate::brdf::{Lobes, Roughness, Width};
+use crate::brdf::{Alpha, BrdfParams, Roughness};
 use crate::geometry::{Ray, Sphere, SurfacePoint, offset_origin};
 use crate::math::{Frame, V3};
 use crate::scene::{MaterialId, Mesh, SceneBuilder};
@@ -28,16 +28,16 @@ fn narrow(v: DVec3) -> V3 {
     V3::from(v.as_vec3().to_array())
 }
 
-fn lobes(kd: f32, ks: f32, alpha: f64) -> Lobes {
-    let width = Width::from(Roughness::from_alpha(alpha).unwrap());
-    Lobes { kd: Rgb::splat(kd), ks: Rgb::splat(ks), width }
+fn params(kd: f32, ks: f32, alpha: f64) -> BrdfParams {
+    let roughness = Alpha::from(Roughness::from_alpha(alpha).unwrap());
+    BrdfParams { kd: Rgb::splat(kd), ks: Rgb::splat(ks), roughness }
 }
 
 /// At the camera's vertex or a later one.
-fn receiver(p: V3, n: V3, event: u32) -> Receiver {
+fn context(p: V3, n: V3, event: u32) -> LightSampleContext {
     let frame = Frame::around(n);
     let wo = frame.to_local((n + V3::new(0.4, 0.3, 0.2)).normalize());
-    Receiver::new(p, frame, event == 0, &lobes(0.3, 0.5, 0.1), wo)
+    LightSampleContext::new(p, frame, event == 0, &params(0.3, 0.5, 0.1), wo)
 }
 
 fn lamp(b: &mut SceneBuilder, x: f64) -> MaterialId {
@@ -82,7 +82,7 @@ fn lamps(more: u32, sky: f32) -> Scene {
     b.build()
 }
 
-/// Places in the open, next to lamps, on a lamp, in one, and in a lamp's plane, with all kinds of
+/// Places in the open, next to emitters, on an emitter, in one, and in an emitter's plane, with all kinds of
 /// normals.
 fn places(scene: &Scene) -> Vec<(V3, V3)> {
     let placement = scene.placement();
@@ -104,12 +104,12 @@ fn places(scene: &Scene) -> Vec<(V3, V3)> {
 }
 
 /// Of every light but the environment.
-fn bounds(scene: &Scene) -> Vec<Bound> {
+fn bounds(scene: &Scene) -> Vec<LightBounds> {
     let radiance = |m: u32| Rgb::from(scene.materials()[m as usize].emission).luminance();
     let brightest = scene.surfaces().iter().map(|s| radiance(s.material)).fold(0.0, f32::max);
     let of = |s: &crate::scene::Light| {
         let luminance = radiance(s.material) / brightest;
-        let shapes = if luminance > 0.0 { shapes::of(scene.geometry(), s.shape) } else { vec![] };
+        let shapes = if luminance > 0.0 { sample::of(scene.geometry(), s.shape) } else { vec![] };
         shapes.into_iter().map(|(shape, _)| shape.bound(luminance)).collect::<Vec<_>>()
     };
     scene.surfaces().iter().flat_map(of).collect()
@@ -127,7 +127,7 @@ fn lights_are_chosen_with_their_probabilities() {
         assert_eq!(lights.tree.is_some(), lights.count() > FEW);
         for (i, (p, n)) in places(&scene).into_iter().enumerate() {
             for event in [0, 3] {
-                let to = receiver(p, n, event);
+                let to = context(p, n, event);
                 let mut expected: Vec<f32> =
                     (0..bounds.len()).map(|i| lights.probability(&to, i)).collect();
                 if beyond > 0 {
@@ -171,7 +171,7 @@ fn the_rest_of_a_choice_is_uniform() {
         let scene = lamps(more, 0.3);
         let lights = Lights::new(&scene, scene.materials(), false);
         let (p, n) = places(&scene)[0];
-        let to = receiver(p, n, 1);
+        let to = context(p, n, 1);
         let mut rests = vec![Vec::new(); lights.count()];
         for k in 0..200_000 {
             let chosen = lights.choose(&to, (k as f32 + 0.5) / 200_000.0);
@@ -185,25 +185,32 @@ fn the_rest_of_a_choice_is_uniform() {
 }
 
 /// The reflected light that a light really gives where nothing is in between, by its own density.
-fn truth(lights: &Lights, g: &Geometry, to: &Receiver, light: usize, view: &Lobes, wo: V3) -> f64 {
+fn truth(
+    lights: &Lights,
+    g: &Geometry,
+    to: &LightSampleContext,
+    light: usize,
+    brdf: &BrdfParams,
+    wo: V3,
+) -> f64 {
     let record = lights.records.record(light);
     let count = 512;
     let sum: f64 = numbers(count)
         .map(|[again, u, v]| {
-            let asked = shapes::sample::<f32>(g, record, to, again, [u, v]);
-            let wi = to.frame.to_local(asked.wi);
-            if !asked.found || !asked.way_from(to.p).meets || wi.z <= 0.0 || asked.pdf <= 0.0 {
+            let sample = sample::sample::<f32>(g, record, to, again, [u, v]);
+            let wi = to.frame.to_local(sample.wi);
+            if !sample.found || !sample.shadow_ray(to.p).hits || wi.z <= 0.0 || sample.pdf <= 0.0 {
                 return 0.0;
             }
-            let f = view.eval::<crate::brdf::Ggx>(wo, wi).f;
-            f64::from((asked.radiance * f).luminance() * wi.z / asked.pdf)
+            let f = brdf.eval::<crate::brdf::Ggx>(wo, wi).f;
+            f64::from((sample.radiance * f).luminance() * wi.z / sample.pdf)
         })
         .sum();
     sum / f64::from(count + 63)
 }
 
 /// Where a light gives any, it is asked: and those that give most are asked most. By the choice
-/// the light of one asked light has a far smaller variance than by power.
+/// the light of one sampled light has a far smaller variance than by power.
 #[test]
 fn estimates_follow_what_lights_give() {
     for more in [4, 200] {
@@ -216,13 +223,13 @@ fn estimates_follow_what_lights_give() {
         for (event, at_least) in [(0, 2.0), (1, 1.5)] {
             let (mut ours, mut by_power) = (0.0, 0.0);
             for (i, (p, n)) in places(&scene).into_iter().enumerate() {
-                let view = lobes(0.3, if event == 0 { 0.5 } else { 0.0 }, 0.1);
+                let brdf = params(0.3, if event == 0 { 0.5 } else { 0.0 }, 0.1);
                 let frame = Frame::around(n);
                 let wo = frame.to_local((n + V3::new(0.4, 0.3, 0.2)).normalize());
-                let to = Receiver::new(p, frame, event == 0, &view, wo);
+                let to = LightSampleContext::new(p, frame, event == 0, &brdf, wo);
                 let (mut mean, mut a, mut b) = (0.0, 0.0, 0.0);
                 for (light, own) in powers.iter().enumerate() {
-                    let gives = truth(&lights, scene.geometry(), &to, light, &view, wo);
+                    let gives = truth(&lights, scene.geometry(), &to, light, &brdf, wo);
                     let probability = f64::from(lights.probability(&to, light));
                     assert!(gives >= 0.0 && gives.is_finite());
                     if gives > 0.0 {
@@ -242,7 +249,7 @@ fn estimates_follow_what_lights_give() {
     }
 }
 
-/// A point of a light is asked for with the density with which it is known when met, whatever the
+/// A point of a light is asked for with the density with which it is known when hit, whatever the
 /// shape and wherever from; that is what makes the weights of the two ways sum to 1.
 #[test]
 fn asked_and_met_have_one_density() {
@@ -254,46 +261,46 @@ fn asked_and_met_have_one_density() {
         let (mut met, mut beyond, mut kinds) = (0, 0, [0; 3]);
         for (p, n) in places(&scene) {
             for event in [0, 1] {
-                let to = receiver(p, n, event);
+                let to = context(p, n, event);
                 let from = SurfacePoint { p, ng: n, ns: n, error: V3::splat(1e-7) };
                 for [choice, u, v] in numbers(700) {
-                    let asked = lights.sample::<f32>(bvh, geometry, &to, choice, [u, v]);
-                    if !asked.found {
+                    let sample = lights.sample::<f32>(bvh, geometry, &to, choice, [u, v]);
+                    if !sample.found {
                         continue;
                     }
-                    assert!(asked.pdf > 0.0 && asked.pdf.is_finite());
-                    assert!((asked.wi.length() - 1.0).abs() < 1e-5);
-                    let o = offset_origin(from.p, from.error, from.ng, asked.wi);
-                    let way = asked.way_from(o);
-                    let ray = Ray { o, d: asked.wi };
+                    assert!(sample.pdf > 0.0 && sample.pdf.is_finite());
+                    assert!((sample.wi.length() - 1.0).abs() < 1e-5);
+                    let o = offset_origin(from.p, from.error, from.ng, sample.wi);
+                    let shadow = sample.shadow_ray(o);
+                    let ray = Ray { o, d: sample.wi };
                     let hit = bvh.closest(geometry, &ray, f32::INFINITY, &mut stack);
-                    let Some(hit) = hit.filter(|_| way.meets) else {
-                        if way.t_max == f32::INFINITY {
-                            let density = lights.environment_pdf(&to, asked.wi.dot(n));
-                            let off = (density / asked.pdf - 1.0).abs();
-                            assert!(off < 1e-4 || asked.wi.dot(n) < 0.02, "{off}");
+                    let Some(hit) = hit.filter(|_| shadow.hits) else {
+                        if shadow.t_max == f32::INFINITY {
+                            let density = lights.environment_pdf(&to, sample.wi.dot(n));
+                            let off = (density / sample.pdf - 1.0).abs();
+                            assert!(off < 1e-4 || sample.wi.dot(n) < 0.02, "{off}");
                             beyond += 1;
                         }
                         continue;
                     };
                     let surface = geometry.surface(&ray, &hit);
-                    let cos = surface.ng.dot(asked.wi).abs();
+                    let cos = surface.ng.dot(sample.wi).abs();
                     let distance = (surface.p - p).length();
                     // Another light may stand before the one that was asked; a grazing angle and a
                     // small distance magnify the last digit of the point.
-                    let end = o + way.d * way.t_max.min(1e3);
+                    let end = o + shadow.d * shadow.t_max.min(1e3);
                     let light = lights.choose::<f32>(&to, choice).index.0 as usize;
                     if lights.light_of(hit.primitive) != Some(light) {
                         continue;
                     }
-                    // On a cylinder's rim another face may be met.
+                    // On a cylinder's rim another face may be hit.
                     let rim = v < 1e-6 && matches!(geometry.kind(hit.primitive), Kind::Cylinder(_));
                     let clear = cos > 0.02 && distance > 1e-2 && !rim;
                     if !clear || (end - surface.p).length() > 5e-6 {
                         continue;
                     }
                     let density = lights.pdf(&to, hit.primitive, hit.t, cos);
-                    let ratio = density / asked.pdf;
+                    let ratio = density / sample.pdf;
                     assert!((ratio - 1.0).abs() < 3e-3, "{more} {event} {p:?}: {ratio} {hit:?}");
                     kinds[match geometry.kind(hit.primitive) {
                         Kind::Triangle(_) => 0,
@@ -337,16 +344,21 @@ fn rectangles_are_filled_evenly_by_solid_angle() {
                 if whole < 0.02 {
                     continue;
                 }
-                let seen = Spherical::new(p + narrow(corner), [narrow(a), narrow(b)], narrow(n), p);
-                let off = (f64::from(seen.solid_angle) / whole - 1.0).abs();
-                assert!(off < 3e-5, "{name}: {} of {whole}", seen.solid_angle);
+                let glossy = SphericalRectangle::new(
+                    p + narrow(corner),
+                    [narrow(a), narrow(b)],
+                    narrow(n),
+                    p,
+                );
+                let off = (f64::from(glossy.solid_angle) / whole - 1.0).abs();
+                assert!(off < 3e-5, "{name}: {} of {whole}", glossy.solid_angle);
                 let towards = narrow(n * z.signum());
                 const CELLS: usize = 6;
                 let mut found = [[0.0; CELLS]; CELLS];
                 let count = 256;
                 for i in 0..count * count {
                     let u = [i % count, i / count].map(|i| (i as f32 + 0.5) / count as f32);
-                    let d = wide(seen.sample(u, towards)) - corner;
+                    let d = wide(glossy.sample(u, towards)) - corner;
                     let (s, t) = (d.dot(a) / (w * w), d.dot(b) / (h * h));
                     assert!(d.dot(n).abs() < 1e-5, "{name}: {}", d.dot(n));
                     let inside = -1e-5..=1.0 + 1e-5;
@@ -389,20 +401,20 @@ fn the_cone_of_a_sphere_is_known_at_every_size() {
             let (low, high) = (exact(1.5e-7) * (1.0 - 1e-6), exact(-1.5e-7) * (1.0 + 1e-6));
             let found = f64::from(found);
             assert!((low..=high).contains(&found), "{ratio}: {low} {found} {high}");
-            let record = Shape::Sphere(sphere).record(0, Rgb::splat(1.0), NO_PLATE, 0.0);
-            let to = receiver(p, V3::new(0.0, 0.0, 1.0), 1);
+            let record = LightShape::Sphere(sphere).record(0, Rgb::splat(1.0), NO_QUAD, 0.0);
+            let to = context(p, V3::new(0.0, 0.0, 1.0), 1);
             let g = Geometry::default();
             for [u, v, _] in numbers(4000) {
-                let asked = shapes::sample::<f32>(&g, &record, &to, 0.5, [u, v]);
-                let known = shapes::pdf(&record, p, 1.0, 1.0);
-                assert!((asked.pdf / known - 1.0).abs() < 1e-6, "{ratio}");
-                assert!((asked.wi.length() - 1.0).abs() < 1e-6, "{ratio}: {:?}", asked.wi);
-                let off = f64::from(0.5 * (asked.wi - axis).length2());
+                let sample = sample::sample::<f32>(&g, &record, &to, 0.5, [u, v]);
+                let known = sample::pdf(&record, p, 1.0, 1.0);
+                assert!((sample.pdf / known - 1.0).abs() < 1e-6, "{ratio}");
+                assert!((sample.wi.length() - 1.0).abs() < 1e-6, "{ratio}: {:?}", sample.wi);
+                let off = f64::from(0.5 * (sample.wi - axis).length2());
                 assert!(off < found * (1.0 + 1e-4) + 1e-13, "{ratio}: {off} {found}");
                 // The shadow ray ends on the near side of the sphere.
-                let way = asked.way_from(p);
-                let t = f64::from(way.t_max);
-                assert!(way.meets && (0.0..0.7 * (1.0 + 1e-6)).contains(&t), "{ratio}: {t}");
+                let shadow = sample.shadow_ray(p);
+                let t = f64::from(shadow.t_max);
+                assert!(shadow.hits && (0.0..0.7 * (1.0 + 1e-6)).contains(&t), "{ratio}: {t}");
             }
         }
     }
@@ -412,22 +424,22 @@ fn the_cone_of_a_sphere_is_known_at_every_size() {
 #[test]
 fn inside_a_sphere_the_cone_is_everything() {
     let sphere = Sphere { centre: V3::new(0.25, 0.5, -0.5), radius: 0.25 };
-    let record = Shape::Sphere(sphere).record(0, Rgb::splat(1.0), NO_PLATE, 0.0);
+    let record = LightShape::Sphere(sphere).record(0, Rgb::splat(1.0), NO_QUAD, 0.0);
     for x in [0.25, 0.3, 0.375, 0.5] {
         let p = V3::new(x, 0.5, -0.5);
-        assert!((shapes::pdf(&record, p, 1.0, 1.0) * 4.0 * PI - 1.0).abs() < 1e-6);
-        let (to, g) = (receiver(p, V3::new(0.0, 0.0, 1.0), 1), Geometry::default());
+        assert!((sample::pdf(&record, p, 1.0, 1.0) * 4.0 * PI - 1.0).abs() < 1e-6);
+        let (to, g) = (context(p, V3::new(0.0, 0.0, 1.0), 1), Geometry::default());
         let mut upwards = 0;
         for [u, v, _] in numbers(4000) {
-            let asked = shapes::sample::<f32>(&g, &record, &to, 0.5, [u, v]);
-            assert!((asked.pdf * 4.0 * PI - 1.0).abs() < 1e-6);
-            upwards += i32::from(asked.wi.y > 0.0);
-            let way = asked.way_from(p);
-            if way.meets {
-                assert!(way.t_max > 0.0 && way.t_max <= 0.5, "at {x}: {}", way.t_max);
+            let sample = sample::sample::<f32>(&g, &record, &to, 0.5, [u, v]);
+            assert!((sample.pdf * 4.0 * PI - 1.0).abs() < 1e-6);
+            upwards += i32::from(sample.wi.y > 0.0);
+            let shadow = sample.shadow_ray(p);
+            if shadow.hits {
+                assert!(shadow.t_max > 0.0 && shadow.t_max <= 0.5, "at {x}: {}", shadow.t_max);
             } else {
                 // From the surface, outwards.
-                assert!(x == 0.5 && asked.wi.x >= -1e-6, "at {x}: missed {:?}", asked.wi);
+                assert!(x == 0.5 && sample.wi.x >= -1e-6, "at {x}: missed {:?}", sample.wi);
             }
         }
         assert!((1900..2200).contains(&upwards), "{upwards}");

@@ -5,11 +5,11 @@
 //! of the random number goes on to the next. Boxes, cones of normals and powers are as in the paper;
 //! a light emits on both sides, so that cones join whichever way round is nearer.
 
-use super::estimate::{Bound, FIELDS, Receiver};
-use super::{ALMOST_ONE, Choice};
+use super::importance::{FIELDS, LightBounds, LightSampleContext};
+use super::{ALMOST_ONE, LightChoice};
 use crate::math::V3;
-use crate::math::lanes::{Bits, Mask, Packet};
-use crate::math::table::Table;
+use crate::math::gather_table::GatherTable;
+use crate::math::simd::{Bits, Mask, SimdWide};
 use std::f32::consts::{FRAC_PI_2, PI};
 
 /// A link with this bit names a light.
@@ -26,8 +26,8 @@ pub(super) const RECORD: usize = 2 * FIELDS + 2;
 
 /// Lights below their nodes.
 #[derive(Debug)]
-pub(super) struct Tree {
-    nodes: Table<RECORD>,
+pub(super) struct LightBvh {
+    nodes: GatherTable<RECORD>,
     /// For each light the branch that it is on, and the way from there: bit k says that step k goes
     /// to the second side.
     ways: Vec<(u32, u64)>,
@@ -36,7 +36,7 @@ pub(super) struct Tree {
 /// A part of the tree: one light or many.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Branch {
-    pub(super) bound: Bound,
+    pub(super) bound: LightBounds,
     pub(super) link: u32,
     depth: u32,
 }
@@ -49,10 +49,10 @@ impl Branch {
     }
 }
 
-impl Tree {
+impl LightBvh {
     /// The tree over some lights, at least two, with the branches at which to enter it, at most
     /// `most`.
-    pub(super) fn new(bounds: &[Bound], most: usize) -> (Tree, Vec<Branch>) {
+    pub(super) fn new(bounds: &[LightBounds], most: usize) -> (LightBvh, Vec<Branch>) {
         let mut order: Vec<u32> = (0..bounds.len() as u32).collect();
         let ways = vec![(0, 0); bounds.len()];
         let mut builder = Builder { bounds, nodes: Vec::with_capacity(bounds.len()), ways };
@@ -68,7 +68,7 @@ impl Tree {
             let Branch { link, depth, .. } = branches[i];
             let node = &nodes[link as usize];
             let side = |side: usize| Branch {
-                bound: Bound::from_fields(&node[side * FIELDS..(side + 1) * FIELDS]),
+                bound: LightBounds::from_fields(&node[side * FIELDS..(side + 1) * FIELDS]),
                 link: node[2 * FIELDS + side].to_bits(),
                 depth: depth + 1,
             };
@@ -79,15 +79,15 @@ impl Tree {
             let mut open = vec![branch.link];
             while let Some(link) = open.pop() {
                 if link >= LEAF {
-                    let (on, way) = &mut ways[(link & !LEAF) as usize];
-                    (*on, *way) = (i, *way >> branch.depth);
+                    let (on, ray) = &mut ways[(link & !LEAF) as usize];
+                    (*on, *ray) = (i, *ray >> branch.depth);
                 } else {
                     let sides = [0, 1].map(|side| nodes[link as usize][2 * FIELDS + side]);
                     open.extend(sides.map(f32::to_bits));
                 }
             }
         }
-        (Tree { nodes: Table::new(nodes), ways }, branches)
+        (LightBvh { nodes: GatherTable::new(nodes), ways }, branches)
     }
 
     /// The branch that a light is on.
@@ -97,7 +97,11 @@ impl Tree {
 
     /// The light that a choice among the branches leads to, their links being in `index`.
     #[inline(always)]
-    pub(super) fn choose<P: Packet>(&self, to: &Receiver<P>, mut choice: Choice<P>) -> Choice<P> {
+    pub(super) fn choose<P: SimdWide>(
+        &self,
+        to: &LightSampleContext<P>,
+        mut choice: LightChoice<P>,
+    ) -> LightChoice<P> {
         let (zero, one) = (P::splat(0.0), P::splat(1.0));
         let leaf = P::Bits::splat(LEAF);
         let mut link = choice.index;
@@ -106,11 +110,11 @@ impl Tree {
             let node = self.nodes.get_some::<P>(link, on_the_way.bits());
             let (share, any) = first_share(&node, to);
             let first = choice.rest.lt(share);
-            let width = P::select(first, share, one - share);
-            let within = P::select(first, choice.rest, choice.rest - share) / width;
+            let roughness = P::select(first, share, one - share);
+            let within = P::select(first, choice.rest, choice.rest - share) / roughness;
             let rest = within.max(zero).min(P::splat(ALMOST_ONE));
             choice.rest = P::select(on_the_way, rest, choice.rest);
-            let probability = (choice.probability * width).or_zero(any);
+            let probability = (choice.probability * roughness).or_zero(any);
             choice.probability = P::select(on_the_way, probability, choice.probability);
             let [a, b] = [node[2 * FIELDS].to_bits(), node[2 * FIELDS + 1].to_bits()];
             link = P::select_bits(on_the_way, P::select_bits(first, a, b), link);
@@ -120,14 +124,14 @@ impl Tree {
         choice
     }
 
-    /// The probability with which [`Tree::choose`] takes a light of the branch with this link.
-    pub(super) fn probability(&self, to: &Receiver, mut link: u32, light: usize) -> f32 {
-        let (mut way, mut probability) = (self.ways[light].1, 1.0);
+    /// The probability with which [`LightBvh::choose`] takes a light of the branch with this link.
+    pub(super) fn probability(&self, to: &LightSampleContext, mut link: u32, light: usize) -> f32 {
+        let (mut ray, mut probability) = (self.ways[light].1, 1.0);
         while link < LEAF {
             let node = self.nodes.record(link as usize);
             let (share, any) = first_share(node, to);
-            let second = way & 1 != 0;
-            way >>= 1;
+            let second = ray & 1 != 0;
+            ray >>= 1;
             probability *= if second { 1.0 - share } else { share };
             if !any || probability <= 0.0 {
                 return 0.0;
@@ -140,10 +144,10 @@ impl Tree {
 
 /// The share of a node's first side, and whether there is anything to share.
 #[inline(always)]
-fn first_share<P: Packet>(node: &[P; RECORD], to: &Receiver<P>) -> (P, P::Mask) {
+fn first_share<P: SimdWide>(node: &[P; RECORD], to: &LightSampleContext<P>) -> (P, P::Mask) {
     let zero = P::splat(0.0);
-    let a = Bound::from_fields(&node[..FIELDS]).estimate(to);
-    let b = Bound::from_fields(&node[FIELDS..]).estimate(to);
+    let a = LightBounds::from_fields(&node[..FIELDS]).estimate(to);
+    let b = LightBounds::from_fields(&node[FIELDS..]).estimate(to);
     let sum = a + b;
     let kept = (a / sum).max(P::splat(LEAST)).min(P::splat(1.0 - LEAST));
     let share = P::select(a.gt(zero), kept, zero);
@@ -151,31 +155,31 @@ fn first_share<P: Packet>(node: &[P; RECORD], to: &Receiver<P>) -> (P, P::Mask) 
 }
 
 struct Builder<'a> {
-    bounds: &'a [Bound],
+    bounds: &'a [LightBounds],
     nodes: Vec<[f32; RECORD]>,
     ways: Vec<(u32, u64)>,
 }
 
 impl Builder<'_> {
     /// The tree of some lights, at most 2^31, with its bound.
-    fn build(&mut self, lights: &mut [u32], depth: u32, way: u64) -> (Bound, u32) {
+    fn build(&mut self, lights: &mut [u32], depth: u32, ray: u64) -> (LightBounds, u32) {
         if let [light] = *lights {
-            self.ways[light as usize].1 = way;
+            self.ways[light as usize].1 = ray;
             return (self.bounds[light as usize], LEAF | light);
         }
         let middle = self.split(lights, depth);
         let (first, second) = lights.split_at_mut(middle);
         let at = self.nodes.len();
         self.nodes.push([0.0; RECORD]);
-        let (a, first) = self.build(first, depth + 1, way);
-        let (b, second) = self.build(second, depth + 1, way | 1 << depth);
+        let (a, first) = self.build(first, depth + 1, ray);
+        let (b, second) = self.build(second, depth + 1, ray | 1 << depth);
         let node = &mut self.nodes[at];
         node[..FIELDS].copy_from_slice(&a.fields());
         node[FIELDS..2 * FIELDS].copy_from_slice(&b.fields());
         node[2 * FIELDS] = f32::from_bits(first);
         node[2 * FIELDS + 1] = f32::from_bits(second);
-        let mut cluster = Cluster::of(&a);
-        cluster.add(&Cluster::of(&b));
+        let mut cluster = LightCluster::of(&a);
+        cluster.add(&LightCluster::of(&b));
         (cluster.bound(), at as u32)
     }
 
@@ -206,9 +210,9 @@ impl Builder<'_> {
         };
         let mut best = (f32::INFINITY, 0, 0);
         for axis in (0..3).filter(|&axis| widths[axis] > 0.0) {
-            let mut bins: [Option<Cluster>; BINS] = [None; BINS];
+            let mut bins: [Option<LightCluster>; BINS] = [None; BINS];
             for &light in lights.iter() {
-                let own = Cluster::of(&self.bounds[light as usize]);
+                let own = LightCluster::of(&self.bounds[light as usize]);
                 join(&mut bins[bin(light, axis)], &Some(own));
             }
             let mut after = [0.0; BINS];
@@ -244,7 +248,7 @@ impl Builder<'_> {
 
 /// Some lights together.
 #[derive(Clone, Copy, Debug)]
-struct Cluster {
+struct LightCluster {
     low: V3,
     high: V3,
     axis: V3,
@@ -257,9 +261,9 @@ struct Cluster {
     slack: f32,
 }
 
-impl Cluster {
-    fn of(b: &Bound) -> Cluster {
-        Cluster {
+impl LightCluster {
+    fn of(b: &LightBounds) -> LightCluster {
+        LightCluster {
             low: b.centre - b.half,
             high: b.centre + b.half,
             axis: b.axis,
@@ -271,7 +275,7 @@ impl Cluster {
         }
     }
 
-    fn add(&mut self, other: &Cluster) {
+    fn add(&mut self, other: &LightCluster) {
         let each =
             |a: V3, b: V3, f: fn(f32, f32) -> f32| V3::new(f(a.x, b.x), f(a.y, b.y), f(a.z, b.z));
         self.low = each(self.low, other.low, f32::min);
@@ -283,10 +287,10 @@ impl Cluster {
         self.slack = self.radius;
     }
 
-    fn bound(&self) -> Bound {
+    fn bound(&self) -> LightBounds {
         let (sin, cos) = self.angle.sin_cos();
         let all = self.angle >= FRAC_PI_2;
-        Bound {
+        LightBounds {
             centre: (self.low + self.high) * 0.5,
             half: (self.high - self.low) * 0.5,
             radius: self.radius,
@@ -318,7 +322,7 @@ fn joint_cone((a, wide): (V3, f32), (b, other): (V3, f32)) -> (V3, f32) {
     ((a * cos + across.normalize() * sin).normalize(), angle)
 }
 
-fn join(sum: &mut Option<Cluster>, other: &Option<Cluster>) {
+fn join(sum: &mut Option<LightCluster>, other: &Option<LightCluster>) {
     match (sum.as_mut(), other) {
         (Some(sum), Some(other)) => sum.add(other),
         (None, Some(_)) => *sum = *other,
@@ -327,13 +331,13 @@ fn join(sum: &mut Option<Cluster>, other: &Option<Cluster>) {
 }
 
 /// Power times the measures of extent and of directions.
-fn cost(cluster: &Option<Cluster>) -> f32 {
+fn cost(cluster: &Option<LightCluster>) -> f32 {
     let Some(c) = cluster else { return 0.0 };
     let size = c.high - c.low;
-    let extent = size.x * size.y + size.y * size.z + size.z * size.x;
+    let aabb = size.x * size.y + size.y * size.z + size.z * size.x;
     let (t, widest) = (c.angle, (c.angle + FRAC_PI_2).min(PI));
     let directions = 2.0 * PI * (1.0 - t.cos())
         + FRAC_PI_2
             * (2.0 * widest * t.sin() - (t - 2.0 * widest).cos() - 2.0 * t * t.sin() + t.cos());
-    c.power * (extent + 1e-6) * directions
+    c.power * (aabb + 1e-6) * directions
 }

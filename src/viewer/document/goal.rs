@@ -150,7 +150,7 @@ mod tests {
             counts: Counts { paths: 10_000, ..Counts::default() },
             error,
             seconds: 20.0,
-            group: burnish::trace::Group::None,
+            group: burnish::trace::ReuseGroup::None,
             state: State::Running,
         }
     }

@@ -239,7 +239,7 @@ mod tests {
             counts: Counts { paths: 3_000_000, ..Counts::default() },
             error: None,
             seconds: 2.0,
-            group: burnish::trace::Group::None,
+            group: burnish::trace::ReuseGroup::None,
             state: State::Running,
         };
         change(&mut snapshot);

@@ -2,7 +2,7 @@
 
 use burnish::picture::Picture;
 use burnish::progressive::{Counts, Snapshot, State, TileGrid, TileImage};
-use burnish::trace::Group;
+use burnish::trace::ReuseGroup;
 use std::sync::Arc;
 
 /// A snapshot of no passes and no paths: taken as exact.
@@ -32,7 +32,7 @@ pub(crate) fn snapshot(picture: &Picture) -> Snapshot {
         counts: Counts::default(),
         error: None,
         seconds: 0.0,
-        group: Group::None,
+        group: ReuseGroup::None,
         state: State::Done,
     }
 }

@@ -336,7 +336,7 @@ mod tests {
             counts: Counts::default(),
             error: None,
             seconds: 0.0,
-            group: burnish::trace::Group::None,
+            group: burnish::trace::ReuseGroup::None,
             state: State::Done,
         }
     }

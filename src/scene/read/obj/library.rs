@@ -27,7 +27,7 @@ pub(super) struct Library {
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) struct Found(usize);
 
-type Hit<'a> = Result<(PathBuf, Cow<'a, [u8]>), Error>;
+type FoundModel<'a> = Result<(PathBuf, Cow<'a, [u8]>), Error>;
 
 impl Library {
     /// Reads these files, each once; one that cannot be found is a warning.
@@ -144,19 +144,19 @@ fn again_counts(entry: &Entry) -> String {
 
 /// The file of this name, as it is, without quotes, with the folders of another system, or with
 /// what stands for blanks in addresses.
-fn exact<'a>(name: &str, files: &'a dyn Files) -> Hit<'a> {
+fn exact<'a>(name: &str, files: &'a dyn Files) -> FoundModel<'a> {
     first(&spellings(name), files)
 }
 
 /// The file of this name in whatever folder.
-fn by_file_name<'a>(name: &str, files: &'a dyn Files) -> Hit<'a> {
+fn by_file_name<'a>(name: &str, files: &'a dyn Files) -> FoundModel<'a> {
     let last = |name: &String| name.rsplit('/').next().unwrap_or_default().trim().to_owned();
     let mut names: Vec<String> = spellings(name).iter().map(last).collect();
     names.retain(|name| !matches!(name.as_str(), "" | "." | ".."));
     first(&names, files)
 }
 
-fn first<'a>(names: &[String], files: &'a dyn Files) -> Hit<'a> {
+fn first<'a>(names: &[String], files: &'a dyn Files) -> FoundModel<'a> {
     let mut error = Error::new(ErrorKind::NotFound, "there is no such file");
     for (i, name) in names.iter().enumerate() {
         match files.find(name) {

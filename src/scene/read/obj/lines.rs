@@ -26,7 +26,7 @@ pub(super) struct Name {
 
 /// What follows a statement's word.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum LineKind {
     /// A name: up to a `#` after a blank, and never continued, for the last byte of a name may be a
     /// backslash, or that of half a character in some encodings.
     Name,
@@ -106,19 +106,19 @@ const NUMBERS: [&str; 46] = [
     "pcr",
 ];
 
-impl Kind {
-    fn of(word: &str) -> Kind {
+impl LineKind {
+    fn of(word: &str) -> LineKind {
         // Nearly every line.
         if matches!(word, "v" | "vn" | "vt" | "f") {
-            return Kind::Numbers;
+            return LineKind::Numbers;
         }
         let word = word.to_ascii_lowercase();
         if NAMES.contains(&word.as_str()) || word.starts_with("map_") {
-            Kind::Name
+            LineKind::Name
         } else if NUMBERS.contains(&word.as_str()) {
-            Kind::Numbers
+            LineKind::Numbers
         } else {
-            Kind::Unknown
+            LineKind::Unknown
         }
     }
 }
@@ -129,15 +129,15 @@ pub(super) fn statements(text: &str) -> impl Iterator<Item = Statement<'_>> {
     let mut physical = lines(text).map(|(number, line)| (number, trim_start(line))).peekable();
     std::iter::from_fn(move || {
         let (line, first) = physical.next()?;
-        let kind = Kind::of(word(first).0);
-        if kind == Kind::Name {
+        let kind = LineKind::of(word(first).0);
+        if kind == LineKind::Name {
             return Some(Statement { line, text: first.into(), stray: false });
         }
         let (content, mut continued) = content(first, kind);
         let mut statement = Statement { line, text: content.into(), stray: false };
         while continued {
             let Some((_, next)) = physical.peek() else { break };
-            if Kind::of(word(next).0) != Kind::Unknown {
+            if LineKind::of(word(next).0) != LineKind::Unknown {
                 statement.stray = true;
                 break;
             }
@@ -174,7 +174,7 @@ impl Name {
     /// within do, and so do all bytes beyond ASCII.
     pub(super) fn of(rest: &str) -> Name {
         let trim = |text: &str| text.trim_matches(blank).to_owned();
-        Name { text: trim(until_comment(rest, Kind::Name)), whole: trim(rest) }
+        Name { text: trim(until_comment(rest, LineKind::Name)), whole: trim(rest) }
     }
 }
 
@@ -192,7 +192,7 @@ fn word(line: &str) -> (&str, &str) {
 }
 
 /// A line without its comment, and whether the next one continues it.
-fn content(line: &str, kind: Kind) -> (&str, bool) {
+fn content(line: &str, kind: LineKind) -> (&str, bool) {
     let text = until_comment(line, kind).trim_end();
     match text.strip_suffix('\\') {
         Some(start) if !start.ends_with(|c: char| !c.is_ascii()) => (start, true),
@@ -200,12 +200,12 @@ fn content(line: &str, kind: Kind) -> (&str, bool) {
     }
 }
 
-fn until_comment(line: &str, kind: Kind) -> &str {
+fn until_comment(line: &str, kind: LineKind) -> &str {
     let begins = |at: usize| {
         let (before, after) = (&line[..at], &line[at + 1..]);
         before.is_empty()
             || before.ends_with(blank)
-            || (kind == Kind::Numbers && !(before.ends_with('.') && not_finite(after)))
+            || (kind == LineKind::Numbers && !(before.ends_with('.') && not_finite(after)))
     };
     let at = line.match_indices('#').map(|(at, _)| at).find(|&at| begins(at));
     at.map_or(line, |at| &line[..at])

@@ -47,7 +47,8 @@ pub(super) fn read(bytes: &[u8], doubts: &mut Doubts) -> Vec<Entry> {
     if text.trim().is_empty() {
         doubts.add("empty", 1, || "the file is empty".to_owned());
     }
-    let mut reader = Reader { kept: String::new(), entries: Vec::new(), nameless: false, doubts };
+    let mut reader =
+        MtlReader { kept: String::new(), entries: Vec::new(), nameless: false, doubts };
     for statement in statements(&text) {
         let (word, rest) = statement.parts();
         if statement.stray {
@@ -59,7 +60,7 @@ pub(super) fn read(bytes: &[u8], doubts: &mut Doubts) -> Vec<Entry> {
 }
 
 /// The statements that are used, each known to be well formed, as text for `tobj`.
-struct Reader<'a> {
+struct MtlReader<'a> {
     kept: String,
     entries: Vec<Entry>,
     /// True within a material without a name.
@@ -67,7 +68,7 @@ struct Reader<'a> {
     doubts: &'a mut Doubts,
 }
 
-impl Reader<'_> {
+impl MtlReader<'_> {
     fn statement(&mut self, line: usize, word: &str, rest: &str) {
         let lower = word.to_ascii_lowercase();
         match lower.as_str() {
@@ -136,12 +137,12 @@ impl Reader<'_> {
                 }
                 self.clamped(line, name, values)
             }
-            Err(Fault::Unsupported) => {
+            Err(MtlFault::Unsupported) => {
                 let kind = format!("`{name}` by a spectrum or CIE XYZ");
                 self.doubts.unsupported(&kind, line);
                 None
             }
-            Err(Fault::Not(what)) => {
+            Err(MtlFault::Not(what)) => {
                 self.doubts.add(&format!("{name} fault"), line, || {
                     format!("{name}: expected {COLOUR}, {what}: {instead}")
                 });
@@ -289,29 +290,29 @@ impl Entry {
 const COLOUR: &str = "three numbers, or one for all three channels";
 
 /// Why there is no colour.
-enum Fault {
+enum MtlFault {
     Unsupported,
     Not(String),
 }
 
 /// Three numbers, or one that counts for all three, and whether more follow.
-fn three(rest: &str) -> Result<([f64; 3], bool), Fault> {
+fn three(rest: &str) -> Result<([f64; 3], bool), MtlFault> {
     let tokens: Vec<&str> = rest.split_whitespace().take(4).collect();
     let first = tokens.first().map(|t| t.to_ascii_lowercase());
     if matches!(first.as_deref(), Some("spectral" | "xyz")) {
-        return Err(Fault::Unsupported);
+        return Err(MtlFault::Unsupported);
     }
     let mut values = Vec::with_capacity(3);
     for token in tokens.iter().take(3) {
         match number(token) {
             Some(value) => values.push(value),
-            None => return Err(Fault::Not(format!("not `{}`", shown(token)))),
+            None => return Err(MtlFault::Not(format!("not `{}`", shown(token)))),
         }
     }
     match values.as_slice() {
         &[x] => Ok(([x; 3], false)),
         &[r, g, b] => Ok(([r, g, b], tokens.len() > 3)),
-        found => Err(Fault::Not(format!("found {}", found.len()))),
+        found => Err(MtlFault::Not(format!("found {}", found.len()))),
     }
 }
 

@@ -1,7 +1,7 @@
 //! The geometry of an OBJ file, checked line by line.
 
 use super::lines::{Name, STRAY, Statement};
-use super::{Model, Part};
+use super::{ObjModel, ObjPart};
 use crate::scene::read::ReadError;
 use crate::scene::read::log::{Doubts, Log};
 use crate::scene::read::polygon::triangulate;
@@ -20,7 +20,7 @@ pub(super) struct Shape {
     normal_count: u32,
     /// Vertex and normal of the corners of all faces; normal 0 is none.
     corners: Vec<[u32; 2]>,
-    faces: Vec<Face>,
+    faces: Vec<ObjFace>,
     /// The largest vertex index and its line: it may be defined later.
     largest: (i64, usize),
     object: String,
@@ -36,7 +36,7 @@ pub(super) struct Shape {
 }
 
 /// A face: how many of the corners are its own, where it stands, and what it belongs to.
-struct Face {
+struct ObjFace {
     count: usize,
     line: usize,
     part: usize,
@@ -163,7 +163,7 @@ impl Shape {
             self.corners.push([u32::try_from(v).unwrap_or(u32::MAX), n]);
         }
         let part = self.part();
-        self.faces.push(Face { count, line, part, smooth: self.smooth });
+        self.faces.push(ObjFace { count, line, part, smooth: self.smooth });
         Ok(())
     }
 
@@ -187,7 +187,7 @@ impl Shape {
         self.faces.is_empty()
     }
 
-    pub(super) fn finish(mut self, log: &mut Log) -> Result<Model, ReadError> {
+    pub(super) fn finish(mut self, log: &mut Log) -> Result<ObjModel, ReadError> {
         let (largest, line) = self.largest;
         let count = self.positions.len() as i64;
         if largest > count {
@@ -217,10 +217,10 @@ impl Shape {
         let mut start = 0;
         for (number, material) in self.materials.into_iter().enumerate() {
             let end = order.partition_point(|&triangle| triangles[triangle].0 <= number);
-            parts.push(Part { material, triangles: start..end });
+            parts.push(ObjPart { material, triangles: start..end });
             start = end;
         }
-        Ok(Model { mesh, parts, libraries: self.libraries })
+        Ok(ObjModel { mesh, parts, libraries: self.libraries })
     }
 
     /// Corners whose normal is not there have none.

@@ -4,8 +4,8 @@
 //! out, the values are taken in their order, wherever the lines end: but only if they are all used
 //! up then, for a single one that is missing would shift all that follow.
 
-use super::elements::{Element, Elements, Face, Unused, definition, scalar};
-use super::header::{Declared, Element as Declaration, Header, Kind, Number, Role};
+use super::elements::{Element, Elements, PlyFace, Unused, definition, scalar};
+use super::header::{Declared, ElementHeader as Declaration, Header, Number, PlyKind, PlyRole};
 use crate::scene::read::ReadError;
 use crate::scene::read::log::{Errors, Log};
 use crate::scene::read::text::{lines, number, shown};
@@ -25,10 +25,10 @@ pub(super) fn read(payload: &[u8], header: &Header, log: &mut Log) -> Result<Ele
     let mut elements = Elements::default();
     for kind in declared() {
         match kind.declared.role {
-            Role::Vertex => elements.vertices = by_lines.all(&kind, log),
-            Role::Face => elements.faces = by_lines.all(&kind, log),
-            Role::Strip => elements.strips.extend(by_lines.all::<Face>(&kind, log)),
-            Role::Unused => drop(by_lines.all::<Unused>(&kind, log)),
+            PlyRole::PlyVertex => elements.vertices = by_lines.all(&kind, log),
+            PlyRole::PlyFace => elements.faces = by_lines.all(&kind, log),
+            PlyRole::Strip => elements.strips.extend(by_lines.all::<PlyFace>(&kind, log)),
+            PlyRole::Unused => drop(by_lines.all::<Unused>(&kind, log)),
         }
     }
     if !by_lines.errors.is_empty() {
@@ -181,10 +181,10 @@ impl<'a, 't, I: Iterator<Item = (usize, &'t str)>> InOrder<'a, I> {
         let mut elements = Elements::default();
         for kind in kinds {
             match kind.declared.role {
-                Role::Vertex => elements.vertices = self.all(&kind)?,
-                Role::Face => elements.faces = self.all(&kind)?,
-                Role::Strip => elements.strips.extend(self.all::<Face>(&kind)?),
-                Role::Unused => drop(self.all::<Unused>(&kind)?),
+                PlyRole::PlyVertex => elements.vertices = self.all(&kind)?,
+                PlyRole::PlyFace => elements.faces = self.all(&kind)?,
+                PlyRole::Strip => elements.strips.extend(self.all::<PlyFace>(&kind)?),
+                PlyRole::Unused => drop(self.all::<Unused>(&kind)?),
             }
         }
         self.tokens.next().is_none().then_some(elements)
@@ -225,8 +225,8 @@ fn rewritten<'a, 't>(
     let mut text = String::new();
     for property in &declared.properties {
         let (kind, count) = match property.kind {
-            Kind::Scalar(kind) => (kind, 1),
-            Kind::List(_, kind) => {
+            PlyKind::Scalar(kind) => (kind, 1),
+            PlyKind::List(_, kind) => {
                 let (_, token) = tokens.next().ok_or(Unfit)?;
                 let length = length(token).ok_or(Unfit)?;
                 text.push_str(&format!("{length} "));

@@ -1,7 +1,7 @@
 //! The payload of a binary PLY file.
 
-use super::elements::{Element, Elements, Face, Unused, definition, scalar};
-use super::header::{Element as Declaration, Header, Kind, Number, Role};
+use super::elements::{Element, Elements, PlyFace, Unused, definition, scalar};
+use super::header::{ElementHeader as Declaration, Header, Number, PlyKind, PlyRole};
 use crate::scene::read::ReadError;
 use crate::scene::read::log::Log;
 use crate::scene::read::text::shown;
@@ -16,12 +16,12 @@ pub(super) fn read(payload: &[u8], header: &Header, log: &mut Log) -> Result<Ele
     for declared in header.elements.iter().filter(|e| !e.properties.is_empty()) {
         let rest = &mut rest;
         match declared.role {
-            Role::Vertex => elements.vertices = all(rest, declared, header.encoding, log)?,
-            Role::Face => elements.faces = all(rest, declared, header.encoding, log)?,
-            Role::Strip => {
-                elements.strips.extend(all::<Face>(rest, declared, header.encoding, log)?);
+            PlyRole::PlyVertex => elements.vertices = all(rest, declared, header.encoding, log)?,
+            PlyRole::PlyFace => elements.faces = all(rest, declared, header.encoding, log)?,
+            PlyRole::Strip => {
+                elements.strips.extend(all::<PlyFace>(rest, declared, header.encoding, log)?);
             }
-            Role::Unused => drop(all::<Unused>(rest, declared, header.encoding, log)?),
+            PlyRole::Unused => drop(all::<Unused>(rest, declared, header.encoding, log)?),
         }
     }
     if !rest.is_empty() {
@@ -95,8 +95,8 @@ fn known_types(
 ) -> Result<Option<(Vec<u8>, usize)>, Damage> {
     let wide = |number: Number| matches!(number, Number::Long | Number::ULong);
     let odd = declared.properties.iter().any(|p| match p.kind {
-        Kind::Scalar(number) => wide(number),
-        Kind::List(count, item) => length(count) != scalar(count) || wide(count) || wide(item),
+        PlyKind::Scalar(number) => wide(number),
+        PlyKind::List(count, item) => length(count) != scalar(count) || wide(count) || wide(item),
     });
     if !odd {
         return Ok(None);
@@ -105,8 +105,8 @@ fn known_types(
     for _ in 0..declared.count {
         for property in &declared.properties {
             match property.kind {
-                Kind::Scalar(number) => walk.copy(number, 1)?,
-                Kind::List(count, item) => {
+                PlyKind::Scalar(number) => walk.copy(number, 1)?,
+                PlyKind::List(count, item) => {
                     let items = walk.length(count)?;
                     walk.copy(item, items)?;
                 }

@@ -1,6 +1,8 @@
 //! What the elements of a PLY file become.
 
-use super::header::{CORNERS, Declared, Element as Declaration, Kind, NORMAL, Number, POSITION};
+use super::header::{
+    CORNERS, Declared, ElementHeader as Declaration, NORMAL, Number, POSITION, PlyKind,
+};
 use ply_rs_bw::ply::{
     Addable, ElementDef, Property, PropertyAccess, PropertyAccessResult, PropertyDef, PropertyType,
     ScalarType,
@@ -26,8 +28,8 @@ pub(super) fn definition(
     for (at, property) in element.properties.iter().enumerate() {
         let name = property.used.map_or_else(|| format!("unused {at}"), str::to_owned);
         let data_type = match property.kind {
-            Kind::Scalar(number) => PropertyType::Scalar(kind(property, number)),
-            Kind::List(count, item) => PropertyType::List(length(count), kind(property, item)),
+            PlyKind::Scalar(number) => PropertyType::Scalar(kind(property, number)),
+            PlyKind::List(count, item) => PropertyType::List(length(count), kind(property, item)),
         };
         def.properties.add(PropertyDef::new(name, data_type));
     }
@@ -49,14 +51,14 @@ pub(super) fn scalar(number: Number) -> ScalarType {
 }
 
 #[derive(Default)]
-pub(super) struct Vertex {
+pub(super) struct PlyVertex {
     pub(super) position: [f64; 3],
     pub(super) normal: [f64; 3],
 }
 
-impl PropertyAccess for Vertex {
-    fn new() -> Vertex {
-        Vertex::default()
+impl PropertyAccess for PlyVertex {
+    fn new() -> PlyVertex {
+        PlyVertex::default()
     }
 
     fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
@@ -73,7 +75,7 @@ impl PropertyAccess for Vertex {
     }
 }
 
-impl Element for Vertex {}
+impl Element for PlyVertex {}
 
 fn number(value: &Property) -> Option<f64> {
     match *value {
@@ -115,15 +117,15 @@ fn indices(value: Property) -> Option<Vec<u32>> {
 
 /// A face, or a strip of triangles.
 #[derive(Default)]
-pub(super) struct Face {
+pub(super) struct PlyFace {
     pub(super) corners: Vec<u32>,
     /// An index is no whole number.
     fractional: bool,
 }
 
-impl PropertyAccess for Face {
-    fn new() -> Face {
-        Face::default()
+impl PropertyAccess for PlyFace {
+    fn new() -> PlyFace {
+        PlyFace::default()
     }
 
     fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
@@ -137,7 +139,7 @@ impl PropertyAccess for Face {
     }
 }
 
-impl Element for Face {
+impl Element for PlyFace {
     fn problem(&self) -> Option<&'static str> {
         self.fractional.then_some("the vertex indices of a face must be whole numbers")
     }
@@ -157,8 +159,8 @@ impl Element for Unused {}
 /// All that is used of a payload.
 #[derive(Default)]
 pub(super) struct Elements {
-    pub(super) vertices: Vec<Vertex>,
-    pub(super) faces: Vec<Face>,
+    pub(super) vertices: Vec<PlyVertex>,
+    pub(super) faces: Vec<PlyFace>,
     /// Lists of indices in which one that names no vertex ends a strip.
-    pub(super) strips: Vec<Face>,
+    pub(super) strips: Vec<PlyFace>,
 }

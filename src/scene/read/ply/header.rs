@@ -20,17 +20,17 @@ const STRIPS: [&str; 4] = ["tristrips", "tristrip", "tri_strips", "triangle_stri
 /// What a header says.
 pub(super) struct Header {
     pub(super) encoding: Encoding,
-    pub(super) elements: Vec<Element>,
+    pub(super) elements: Vec<ElementHeader>,
     /// How many lines it has.
     pub(super) lines: usize,
 }
 
 /// Elements of one kind.
 #[derive(Clone)]
-pub(super) struct Element {
+pub(super) struct ElementHeader {
     /// In lower case.
     pub(super) name: String,
-    pub(super) role: Role,
+    pub(super) role: PlyRole,
     pub(super) count: usize,
     /// Where the header declares it.
     line: usize,
@@ -39,9 +39,9 @@ pub(super) struct Element {
 
 /// What the elements of a kind are for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Role {
-    Vertex,
-    Face,
+pub(super) enum PlyRole {
+    PlyVertex,
+    PlyFace,
     Strip,
     /// Read only to get behind it.
     Unused,
@@ -52,13 +52,13 @@ pub(super) enum Role {
 pub(super) struct Declared {
     /// As the file has it.
     pub(super) name: String,
-    pub(super) kind: Kind,
+    pub(super) kind: PlyKind,
     /// What it is known by here; `None` if it is not used.
     pub(super) used: Option<&'static str>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum PlyKind {
     Scalar(Number),
     /// The length's type and the items'.
     List(Number, Number),
@@ -131,7 +131,7 @@ pub(super) fn read<'a>(bytes: &'a [u8], log: &Log) -> Result<(Header, &'a [u8]),
     if !first.trim_ascii().eq_ignore_ascii_case(b"ply") {
         return Err(log.error(Some(1), "expected `ply` on the first line of a PLY file"));
     }
-    let (mut encoding, mut elements) = (None, Vec::<Element>::new());
+    let (mut encoding, mut elements) = (None, Vec::<ElementHeader>::new());
     while let Some(line) = lines.next() {
         let line = String::from_utf8_lossy(line);
         let words: Vec<&str> = line.split_whitespace().collect();
@@ -190,33 +190,33 @@ fn format_of(words: &[&str]) -> Option<Encoding> {
     }
 }
 
-fn element(words: &[&str], line: usize) -> Option<Element> {
+fn element(words: &[&str], line: usize) -> Option<ElementHeader> {
     let &[_, name, count] = words else { return None };
     let (name, count) = (name.to_ascii_lowercase(), count.parse().ok()?);
     let role = match name.as_str() {
-        "vertex" => Role::Vertex,
-        "face" => Role::Face,
-        name if STRIPS.contains(&name) => Role::Strip,
-        _ => Role::Unused,
+        "vertex" => PlyRole::PlyVertex,
+        "face" => PlyRole::PlyFace,
+        name if STRIPS.contains(&name) => PlyRole::Strip,
+        _ => PlyRole::Unused,
     };
-    Some(Element { name, role, count, line, properties: Vec::new() })
+    Some(ElementHeader { name, role, count, line, properties: Vec::new() })
 }
 
 fn property(words: &[&str]) -> Option<Declared> {
     let (kind, name) = match *words {
         [_, list, length, item, name] if list.eq_ignore_ascii_case("list") => {
-            (Kind::List(Number::of(length)?, Number::of(item)?), name)
+            (PlyKind::List(Number::of(length)?, Number::of(item)?), name)
         }
-        [_, kind, name] => (Kind::Scalar(Number::of(kind)?), name),
+        [_, kind, name] => (PlyKind::Scalar(Number::of(kind)?), name),
         _ => return None,
     };
     Some(Declared { name: name.to_owned(), kind, used: None })
 }
 
-impl Element {
+impl ElementHeader {
     /// Marks the properties that are known by these names, one each: as they stand here, else in
     /// other letter case. `None` where one is not there, or not of the form wanted.
-    fn using(&mut self, names: &[&'static str], form: fn(Kind) -> bool) -> Option<()> {
+    fn using(&mut self, names: &[&'static str], form: fn(PlyKind) -> bool) -> Option<()> {
         let find = |name: &str| {
             let exact = self.properties.iter().position(|p| p.name == name);
             exact.or_else(|| self.properties.iter().position(|p| p.name.eq_ignore_ascii_case(name)))
@@ -245,7 +245,7 @@ impl Element {
             Encoding::Ascii => 2 * self.properties.len(),
             _ => {
                 let size = |p: &Declared| match p.kind {
-                    Kind::Scalar(kind) | Kind::List(kind, _) => kind.size(),
+                    PlyKind::Scalar(kind) | PlyKind::List(kind, _) => kind.size(),
                 };
                 self.properties.iter().map(size).sum()
             }
@@ -265,7 +265,7 @@ impl Element {
             name.starts_with("vertex") && !name.starts_with("vertex_color")
         });
         let texture = self.name.starts_with("multi_texture");
-        self.role == Role::Unused && self.count > 0 && !texture && (named || has_corners)
+        self.role == PlyRole::Unused && self.count > 0 && !texture && (named || has_corners)
     }
 }
 
@@ -278,22 +278,22 @@ pub(super) fn check(header: &mut Header, available: usize, log: &mut Log) -> Res
 
 /// Vertices must have x y z and faces a list of indices.
 fn check_layout(header: &mut Header, log: &Log) -> Result<(), ReadError> {
-    let is_single = |kind| matches!(kind, Kind::Scalar(_));
-    let is_list = |kind| matches!(kind, Kind::List(..));
-    let has = |role: Role| header.elements.iter().filter(|e| e.role == role).count();
-    if has(Role::Vertex) == 0 {
+    let is_single = |kind| matches!(kind, PlyKind::Scalar(_));
+    let is_list = |kind| matches!(kind, PlyKind::List(..));
+    let has = |role: PlyRole| header.elements.iter().filter(|e| e.role == role).count();
+    if has(PlyRole::PlyVertex) == 0 {
         return Err(log.error(None, "the PLY header declares no element `vertex`"));
     }
-    if has(Role::Face) + has(Role::Strip) == 0 {
+    if has(PlyRole::PlyFace) + has(PlyRole::Strip) == 0 {
         let text = "the PLY header declares no element `face`, and no `tristrips`";
         return Err(log.error(None, text));
     }
-    let twice = |names: &[&str], e: &Element| names.iter().any(|name| e.declares_twice(name));
-    let ambiguous = [Role::Vertex, Role::Face].iter().any(|&role| has(role) > 1)
+    let twice = |names: &[&str], e: &ElementHeader| names.iter().any(|name| e.declares_twice(name));
+    let ambiguous = [PlyRole::PlyVertex, PlyRole::PlyFace].iter().any(|&role| has(role) > 1)
         || header.elements.iter().any(|e| match e.role {
-            Role::Vertex => twice(&POSITION, e) || twice(&NORMAL, e),
-            Role::Face | Role::Strip => twice(&CORNERS, e),
-            Role::Unused => false,
+            PlyRole::PlyVertex => twice(&POSITION, e) || twice(&NORMAL, e),
+            PlyRole::PlyFace | PlyRole::Strip => twice(&CORNERS, e),
+            PlyRole::Unused => false,
         });
     if ambiguous {
         let text = "the PLY header declares two elements, or two properties of one element, of \
@@ -302,8 +302,8 @@ fn check_layout(header: &mut Header, log: &Log) -> Result<(), ReadError> {
     }
     for element in &mut header.elements {
         match element.role {
-            Role::Unused => {}
-            Role::Vertex => {
+            PlyRole::Unused => {}
+            PlyRole::PlyVertex => {
                 element.using(&POSITION, is_single).ok_or_else(|| {
                     let text = "the PLY header must declare the vertex properties x, y and z as \
                                 single numbers";
@@ -311,7 +311,7 @@ fn check_layout(header: &mut Header, log: &Log) -> Result<(), ReadError> {
                 })?;
                 let _ = element.using(&NORMAL, is_single);
             }
-            Role::Face | Role::Strip => {
+            PlyRole::PlyFace | PlyRole::Strip => {
                 let [first, second] = CORNERS.map(|name| [name]);
                 let (a, b) = (element.using(&first, is_list), element.using(&second, is_list));
                 if a.is_some() && b.is_some() {
@@ -335,7 +335,7 @@ fn check_layout(header: &mut Header, log: &Log) -> Result<(), ReadError> {
 
 /// Refuses a count that the bytes cannot hold, so that nothing is allocated on the header's word.
 fn check_count(
-    element: &Element,
+    element: &ElementHeader,
     encoding: Encoding,
     available: usize,
     log: &Log,
@@ -362,11 +362,11 @@ pub(super) fn mention_unused(header: &Header, log: &mut Log) {
     for element in &header.elements {
         let others = element.properties.iter().filter(|p| p.used.is_none()).map(|p| &p.name);
         match element.role {
-            Role::Vertex => unused.extend(others.cloned()),
-            Role::Face | Role::Strip => {
+            PlyRole::PlyVertex => unused.extend(others.cloned()),
+            PlyRole::PlyFace | PlyRole::Strip => {
                 unused.extend(others.map(|name| format!("{} {name}", element.name)));
             }
-            Role::Unused if element.is_geometry() => {
+            PlyRole::Unused if element.is_geometry() => {
                 let text = format!(
                     "{} elements `{}` are left out: of geometry only faces and tristrips are shown",
                     element.count,
@@ -374,7 +374,7 @@ pub(super) fn mention_unused(header: &Header, log: &mut Log) {
                 );
                 log.warn(Some(element.line), text);
             }
-            Role::Unused => unused.push(format!("element {}", element.name)),
+            PlyRole::Unused => unused.push(format!("element {}", element.name)),
         }
     }
     if !unused.is_empty() {

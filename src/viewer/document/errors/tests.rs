@@ -36,7 +36,7 @@ fn snapshot(seconds: f64, passes: u64, error: Option<f64>) -> Snapshot {
         counts: Counts::default(),
         error: error.map(estimate),
         seconds,
-        group: burnish::trace::Group::None,
+        group: burnish::trace::ReuseGroup::None,
         state: State::Running,
     }
 }

@@ -3,7 +3,7 @@
 use super::Row;
 use crate::viewer::document::errors::{History, name};
 use burnish::brdf::Model;
-use burnish::measure::plot::{Curve, Dot, Panel};
+use burnish::measure::plot::{Dot, Panel, PlotCurve};
 use burnish::progressive::Params;
 
 /// Colours tell models apart, marks materials and methods, dashes the true error from the estimated.
@@ -19,7 +19,7 @@ pub(super) fn panel(rows: &[Row], shown: &Params) -> Panel {
             let dots = dots(history);
             if !dots.is_empty() {
                 let label = if dashed { format!("{name}, true") } else { name.clone() };
-                curves.push(Curve { label, colour, mark, last_only: true, dashed, dots });
+                curves.push(PlotCurve { label, colour, mark, last_only: true, dashed, dots });
             }
         }
     }

@@ -4,7 +4,7 @@ use crate::viewer::style::labels;
 use crate::viewer::style::theme;
 use crate::viewer::style::widgets;
 use burnish::brdf::Model;
-use burnish::measure::lobe::{Axis, LobeCurves, value};
+use burnish::measure::lobe::{LobeAxis, LobeCurves, value};
 use burnish::measure::plot::Style;
 use std::ops::Range;
 
@@ -77,7 +77,7 @@ struct Frame<'a> {
     painter: Painter,
     visuals: &'a Visuals,
     curves: &'a LobeCurves,
-    axis: Axis,
+    axis: LobeAxis,
     font: egui::FontId,
     place: Place,
 }

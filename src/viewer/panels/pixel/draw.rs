@@ -2,7 +2,7 @@
 
 use crate::viewer::style::theme;
 use burnish::brdf::Model;
-use burnish::measure::lobe::{Axis, LobeCurves};
+use burnish::measure::lobe::{LobeAxis, LobeCurves};
 use egui::{Align2, Pos2, Rect, Sense, Shape, Stroke, TextStyle, Ui, pos2, vec2};
 
 const HEIGHT: f32 = 144.0;
@@ -46,7 +46,7 @@ fn lobe(ui: &Ui, rect: Rect, curves: &LobeCurves, model: Model) {
     painter.line_segment([at(-1.571, 1.0), at(1.571, 1.0)], line);
     let values = &curves.values[Model::ALL.iter().position(|&m| m == model).unwrap_or(0)];
     let high = values.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let axis = Axis { low: 0.0, high, log: false };
+    let axis = LobeAxis { low: 0.0, high, log: false };
     let points = curves.angles.iter().zip(values).map(|(&a, &v)| at(a, axis.share(v)));
     let colour = theme::model(ui.visuals(), model);
     painter.add(Shape::line(points.collect(), Stroke::new(2.0, colour)));

@@ -4,8 +4,8 @@ use super::heading;
 use crate::viewer::style::labels;
 use crate::viewer::style::numbers::digits;
 use crate::viewer::style::theme;
-use burnish::progressive::{LogHistogram, Part, PixelReport, Technique};
-use burnish::trace::Group;
+use burnish::progressive::{LogHistogram, PixelReport, ProbeEstimate, Technique};
+use burnish::trace::ReuseGroup;
 use egui::{Align2, CornerRadius, Rect, Sense, TextStyle, Ui, pos2, vec2};
 
 /// Steps a decade of the histogram, and its height in points.
@@ -35,7 +35,11 @@ pub(super) fn draw(ui: &mut Ui, report: &PixelReport) {
 }
 
 /// A table: name, luminance with its interval, share of the whole.
-fn parts<'a>(ui: &mut Ui, rows: impl Iterator<Item = (String, &'a Part)>, report: &'a PixelReport) {
+fn parts<'a>(
+    ui: &mut Ui,
+    rows: impl Iterator<Item = (String, &'a ProbeEstimate)>,
+    report: &'a PixelReport,
+) {
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         line(ui, "", ["luminance", "\u{b1} 95 %", "share"], None);
@@ -47,7 +51,7 @@ fn parts<'a>(ui: &mut Ui, rows: impl Iterator<Item = (String, &'a Part)>, report
     });
 }
 
-fn row(ui: &mut Ui, name: &str, part: &Part, whole: f64) {
+fn row(ui: &mut Ui, name: &str, part: &ProbeEstimate, whole: f64) {
     let figure = part.luminance;
     let share = if whole > 0.0 { figure.value / whole } else { 0.0 };
     let figures = [
@@ -150,7 +154,7 @@ fn histogram(ui: &mut Ui, report: &PixelReport) {
 fn sharing(ui: &mut Ui, report: &PixelReport) {
     let picture = &report.picture;
     let words = match (picture.group, picture.samples.get(picture.own)) {
-        (Group::None, _) | (_, None) => {
+        (ReuseGroup::None, _) | (_, None) => {
             "These are the pixel's own samples; the picture shares none either.".to_owned()
         }
         (group, Some(own)) => {

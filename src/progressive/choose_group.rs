@@ -1,0 +1,191 @@
+//! How many neighbours share: decided before the first pass, by what sharing costs and what it gives.
+//!
+//! A few batches of the picture are traced a few times with every size of group. What counts is the
+//! product of the work a sample takes and the variance it leaves, batch by batch where the picture's
+//! samples are to be [planned](super::plan). Work is counted, not timed, so
+//! that equal parameters decide alike on any machine and in any haste. The samples are thrown away:
+//! the decision depends on them, so the picture must not.
+
+use super::Params;
+use crate::film::REL_MSE_FLOOR;
+use crate::math::Rgb;
+use crate::trace::{
+    Contribution, PixelBatch, PixelGrouping, RayCounts, ReuseGroup, Scratch, Tracer,
+};
+
+/// Batches traced.
+const BATCHES: usize = 4;
+/// Times each is traced: with numbers that have nothing to do with each other, one of each
+/// replicate.
+const TIMES: u64 = 4;
+/// Passes that no picture gets to.
+const FIRST_PASS: u64 = 1 << 40;
+/// How much faster than by one over their number the variance of many samples falls where each path
+/// is for itself: edges and direct light are what stratification is best at. Measured as 2 to 4 in
+/// the Cornell box from 16 to 256 passes.
+const STRATIFIED: f64 = 3.0;
+
+/// What is traced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Trial {
+    /// Paths for themselves.
+    Apart,
+    /// Of paths that share, what is not shared.
+    Own,
+    /// What is shared, among so many.
+    Shared(ReuseGroup),
+}
+
+/// One trial of one batch.
+pub(super) struct TrialTask {
+    which: usize,
+    trial: Trial,
+}
+
+/// The work that it took, and the samples of each time.
+pub(super) struct TrialResult {
+    task: TrialTask,
+    counts: RayCounts,
+    samples: Vec<Vec<Rgb>>,
+}
+
+/// What there is to do.
+pub(super) fn tasks() -> Vec<TrialTask> {
+    let sizes = || ReuseGroup::ALL.into_iter().skip(1).map(Trial::Shared);
+    let trials = || [Trial::Apart, Trial::Own].into_iter().chain(sizes());
+    (0..BATCHES).flat_map(|which| trials().map(move |trial| TrialTask { which, trial })).collect()
+}
+
+/// How many paths share with these parameters, where no selection of the group is asked.
+pub(super) fn without(params: &Params, tracer: &Tracer) -> Option<ReuseGroup> {
+    if tracer.shares() { params.group } else { Some(ReuseGroup::None) }
+}
+
+/// How many paths share with these parameters.
+pub(super) fn decide(params: &Params, tracer: &Tracer, scratch: &mut Scratch) -> ReuseGroup {
+    without(params, tracer).unwrap_or_else(|| {
+        let found = tasks().into_iter().map(|task| task.run(params, tracer, scratch)).collect();
+        choose(found, params.scene.geometry().len(), params.uniform)
+    })
+}
+
+impl TrialTask {
+    /// Does it.
+    pub(super) fn run(
+        self,
+        params: &Params,
+        tracer: &Tracer,
+        scratch: &mut Scratch,
+    ) -> TrialResult {
+        let group = match self.trial {
+            Trial::Shared(group) => group,
+            _ => ReuseGroup::Sixteen,
+        };
+        let grouping = PixelGrouping::new(params.size, params.seed, FIRST_PASS, group);
+        let [columns, rows] = grouping.batches().map(|n| n as usize);
+        // By the golden section of all batches, so that no two are near each other.
+        let part = (0.5 + self.which as f64 * 0.618_033_988_749_895).fract();
+        let place = ((columns * rows) as f64 * part) as usize;
+        let mut batch = PixelBatch::default();
+        grouping.batch([place % columns, place / columns].map(|x| x as u32), &mut batch);
+        match self.trial {
+            Trial::Apart => batch.ends.clear(),
+            Trial::Own => batch.contribution = Contribution::Own,
+            Trial::Shared(_) => batch.contribution = Contribution::Shared,
+        }
+        // Groups of different sizes take the same pixels in different orders.
+        let mut order: Vec<usize> = (0..batch.pixels.len()).collect();
+        order.sort_unstable_by_key(|&i| batch.pixels[i]);
+        scratch.counts = RayCounts::default();
+        let samples = (FIRST_PASS..FIRST_PASS + TIMES)
+            .map(|pass| {
+                let found = tracer.samples_of(&batch, pass, scratch);
+                order.iter().map(|&i| found[i]).collect()
+            })
+            .collect();
+        let counts = std::mem::take(&mut scratch.counts);
+        (scratch.rays, scratch.capped) = (0, 0);
+        TrialResult { task: self, counts, samples }
+    }
+}
+
+/// The size of group whose work times variance is least, in a scene of so many primitives.
+pub(super) fn choose(mut found: Vec<TrialResult>, primitives: usize, uniform: bool) -> ReuseGroup {
+    // In an order that does not depend on who was first.
+    found.sort_by_key(|f| (f.task.which, f.task.trial));
+    // Light as the quietest of the trials have it.
+    let quiet = [Trial::Own, Trial::Shared(ReuseGroup::OneTwentyEight)];
+    let means: Vec<Vec<[f64; 3]>> = (0..BATCHES)
+        .map(|which| {
+            let these = |f: &&TrialResult| f.task.which == which && quiet.contains(&f.task.trial);
+            mean(found.iter().filter(these).flat_map(|f| &f.samples))
+        })
+        .collect();
+    let of = |which: usize, trial: Trial| {
+        found.iter().filter(move |f| (f.task.which, f.task.trial) == (which, trial))
+    };
+    let work = |which, trial| of(which, trial).map(|f| f.counts.work(primitives)).sum::<f64>();
+    let spread = |which, trial| {
+        of(which, trial).map(|f| spread(&f.samples, &means[f.task.which])).sum::<f64>()
+    };
+    // Of one batch, the work of a sample and the variance that it leaves.
+    let costs = |which: usize, group: ReuseGroup| {
+        let own = spread(which, Trial::Own);
+        match group {
+            ReuseGroup::None => {
+                let rest = (spread(which, Trial::Apart) - own).max(0.0);
+                (work(which, Trial::Apart), rest + own / STRATIFIED)
+            }
+            _ => {
+                let trial = Trial::Shared(group);
+                (work(which, trial), spread(which, trial) + own / STRATIFIED)
+            }
+        }
+    };
+    let price = |group: ReuseGroup| {
+        let each = (0..BATCHES).map(|which| costs(which, group));
+        if uniform {
+            let (work, variance) = each.fold((0.0, 0.0), |(a, b), (c, d)| (a + c, b + d));
+            return work * variance;
+        }
+        // Where samples go to where they are wanted, as many as make the error least.
+        each.map(|(work, variance)| (work * variance).sqrt()).sum::<f64>().powi(2)
+    };
+    let prices = ReuseGroup::ALL.map(price);
+    let least = (0..prices.len()).min_by(|&a, &b| prices[a].total_cmp(&prices[b]));
+    least.map_or(ReuseGroup::None, |i| ReuseGroup::ALL[i])
+}
+
+/// The mean of each pixel over the times; what was traced at one time adds up.
+fn mean<'a>(samples: impl Iterator<Item = &'a Vec<Rgb>>) -> Vec<[f64; 3]> {
+    let mut means = Vec::new();
+    for sample in samples {
+        means.resize(sample.len(), [0.0; 3]);
+        for (mean, sample) in means.iter_mut().zip(sample) {
+            for (mean, x) in mean.iter_mut().zip(<[f32; 3]>::from(*sample)) {
+                *mean += f64::from(x) / TIMES as f64;
+            }
+        }
+    }
+    means
+}
+
+/// Variance of a sample, summed over the pixels: of each against its light, as far as four samples
+/// tell it, but at least against that of all of them, for four may have missed it.
+fn spread(samples: &[Vec<Rgb>], means: &[[f64; 3]]) -> f64 {
+    let count = samples.len() as f64;
+    let channel = |s: &[Rgb], pixel: usize, c: usize| f64::from(<[f32; 3]>::from(s[pixel])[c]);
+    let mut all = 0.0;
+    for c in 0..3 {
+        let light = means.iter().map(|m| m[c]).sum::<f64>() / means.len().max(1) as f64;
+        for (pixel, own) in means.iter().enumerate() {
+            let values = samples.iter().map(|s| channel(s, pixel, c));
+            let mean = values.clone().sum::<f64>() / count;
+            let squares: f64 = values.map(|x| (x - mean) * (x - mean)).sum();
+            let light = light.max(own[c]);
+            let term = squares / (count - 1.0) / (light * light + REL_MSE_FLOOR);
+            all += if term.is_finite() { term } else { 0.0 };
+        }
+    }
+    all
+}

@@ -1,0 +1,93 @@
+//! What the path tracer asks at each step, with the right answers.
+//!
+//! The tracer is one text, compiled for [`Correct`] rules, which vanish into it, and once more for
+//! [those that make a mistake](super::errata).
+
+use super::vertex::PathPoint;
+use crate::brdf::{Brdf, BrdfParams, Evaluation, LobeSample, Microfacet};
+use crate::math::{Rgb, V3};
+use crate::trace::lights::LightSample;
+use crate::trace::{Scratch, Strategy, Tracer};
+use std::marker::PhantomData;
+
+/// The steps that can be taken wrongly.
+pub(super) trait Rules: Sized {
+    /// [`BrdfParams::at_wo`].
+    fn at_wo(&self, params: &BrdfParams, wo: V3) -> Brdf;
+    /// [`Brdf::eval`].
+    fn eval(&self, brdf: &Brdf, wi: V3) -> Evaluation;
+    /// [`Brdf::sample`], in the vertex's frame.
+    fn sample(&self, vertex: &PathPoint, brdf: &Brdf, choice: f32, u: [f32; 2]) -> LobeSample;
+    /// [`Microfacet::cosine`].
+    fn cosine(&self, cos: f32) -> f32;
+
+    /// The number by which a light is chosen, from a uniform one.
+    #[inline(always)]
+    fn light_choice(&self, choice: f32) -> f32 {
+        choice
+    }
+
+    /// Weight of a light hit by chance.
+    #[inline(always)]
+    fn w_bsdf(&self, strategy: Strategy, pdf: f32, other: f32) -> f32 {
+        strategy.w_bsdf(pdf, other)
+    }
+
+    /// Weight of a light sampled.
+    #[inline(always)]
+    fn w_light(&self, strategy: Strategy, pdf: f32, other: f32) -> f32 {
+        strategy.w_light(pdf, other)
+    }
+
+    /// Where a ray in this direction starts.
+    #[inline(always)]
+    fn leave(&self, vertex: &PathPoint, d: V3) -> V3 {
+        vertex.leave(d)
+    }
+
+    /// Whether a light is seen.
+    #[inline(always)]
+    fn sees(
+        &self,
+        tracer: &Tracer,
+        vertex: &PathPoint,
+        light: &LightSample<f32>,
+        scratch: &mut Scratch,
+    ) -> bool {
+        tracer.sees(self, vertex, light, scratch)
+    }
+
+    /// What a film gets of a sample.
+    #[inline(always)]
+    fn kept(&self, radiance: Rgb) -> Rgb {
+        radiance
+    }
+}
+
+/// Everything right, with the model known when compiled.
+pub(super) struct Correct<M>(PhantomData<M>);
+
+impl<M> Default for Correct<M> {
+    fn default() -> Correct<M> {
+        Correct(PhantomData)
+    }
+}
+
+impl<M: Microfacet> Rules for Correct<M> {
+    #[inline(always)]
+    fn at_wo(&self, params: &BrdfParams, wo: V3) -> Brdf {
+        params.at_wo::<M>(wo)
+    }
+    #[inline(always)]
+    fn eval(&self, brdf: &Brdf, wi: V3) -> Evaluation {
+        brdf.eval::<M>(wi)
+    }
+    #[inline(always)]
+    fn sample(&self, _vertex: &PathPoint, brdf: &Brdf, choice: f32, u: [f32; 2]) -> LobeSample {
+        brdf.sample::<M>(choice, u)
+    }
+    #[inline(always)]
+    fn cosine(&self, cos: f32) -> f32 {
+        M::cosine(cos)
+    }
+}

@@ -1,0 +1,204 @@
+//! Split rays that look for emitters and for nothing else.
+//!
+//! At the edge of an emitter, seen or mirrored, one ray a pixel is mostly chance, and nothing that comes
+//! later in the path makes up for it. So the camera's ray has company where an emitter may be in the
+//! pixel, and the ray from a primary vertex with a sharp lobe has where it may hit one. What they find is
+//! averaged, and weighed against light sampling as one of them would be: so the variance of what is found by
+//! light sampling stays, and that of what is hit falls. The path goes on by its own ray alone.
+
+use super::shade::is_black;
+use super::state::{RayBatch, RayQueue};
+use super::{PathBatch, ShadeHits, TraceRays};
+use crate::brdf::{Brdf, BrdfParams, Microfacet};
+use crate::geometry::{Aabb, NO_QUAD, PacketSlabs, Stack, SurfacePoint, offset_origin};
+use crate::math::simd::{Bits, Mask, SimdWide, dispatch};
+use crate::math::sobol::{Slot, Stream, pair, unit};
+use crate::math::{Frame, Rgb, V3};
+use crate::trace::lights::LightSampleContext;
+use crate::trace::{RayCounts, Stage, Tracer, Watch};
+use std::marker::PhantomData;
+use std::mem::{swap, take};
+
+/// How many rays look, the path's own among them: a power of 2, so that as many equal parts are the
+/// whole to the last digit.
+const SPLIT: usize = 4;
+/// How many of them are split rays.
+const EXTRA: usize = SPLIT - 1;
+
+/// Roughness alpha from which on light sampling does as well.
+const SHARP: f32 = 0.15;
+
+/// The split rays of a batch, in rounds of at most one a path.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SplitRays {
+    /// Whether any are wanted.
+    pub(super) wanted: bool,
+    rounds: [Box<RayQueue>; EXTRA],
+    counts: [usize; EXTRA],
+}
+
+/// The primary vertices of a register's worth of paths.
+pub(super) struct PrimaryPoints<'a, P: SimdWide> {
+    pub(super) point: &'a SurfacePoint<P>,
+    pub(super) frame: &'a Frame<P>,
+    pub(super) brdf: &'a Brdf<P>,
+    pub(super) context: &'a LightSampleContext<P>,
+    pub(super) quad: P::Bits,
+    pub(super) slot: P::Bits,
+    pub(super) stream: &'a Stream<P::Bits>,
+}
+
+impl Tracer {
+    /// Where emitters may be in pixels `block` times the picture's.
+    pub(super) fn emitter_boxes(&self, block: u32) -> Vec<Aabb> {
+        let radius = self.camera.pixel_radius() * block as f32;
+        let eye = self.camera.eye();
+        let grown = |aabb: &Aabb| {
+            let reach = (aabb.centre - eye).length() + aabb.half.length();
+            let half = aabb.half + V3::splat(reach * radius);
+            Aabb { half, ..*aabb }
+        };
+        // One that is all around would be in every pixel.
+        let apart = |aabb: &Aabb| {
+            let (away, half) = ((aabb.centre - eye).abs(), aabb.half);
+            away.x > half.x || away.y > half.y || away.z > half.z
+        };
+        self.lights.emitter_boxes().iter().map(grown).filter(apart).collect()
+    }
+
+    /// Adds the camera's split rays for the pixels in columns `x` and rows `y`, `side` times the
+    /// picture's, whose paths have these slots. Returns the part that counts of the light that a ray
+    /// hits there.
+    #[inline(always)]
+    pub(super) fn split_camera_rays<P: SimdWide>(
+        &self,
+        split_rays: &mut SplitRays,
+        emitter_boxes: &[Aabb],
+        live: P::Mask,
+        [x, y]: [P; 2],
+        side: P,
+        (slot, stream): (P::Bits, &Stream<P::Bits>),
+    ) -> P {
+        let one = P::splat(1.0);
+        let (eye, half) = (self.camera.eye().splat_lanes::<P>(), P::splat(0.5));
+        let middle = self.camera.direction((x + half) * side, (y + half) * side);
+        let slabs = PacketSlabs::new(eye, middle);
+        let mut near = P::mask(0);
+        for emitter_box in emitter_boxes {
+            near = near | slabs.may_hit(emitter_box, P::splat(f32::INFINITY));
+        }
+        let near = near & live;
+        if !near.any() {
+            return one;
+        }
+        let mis_fraction = P::select(near, P::splat(1.0 / SPLIT as f32), one);
+        for which in 0..EXTRA {
+            let stream = stream.one_of(EXTRA as u32, which as u32);
+            let [dx, dy] = pair::<P>(&stream, Slot::SPLIT_CAMERA);
+            let d = self.camera.direction((x + dx) * side, (y + dy) * side);
+            let (rays, end) = (&mut split_rays.rounds[which], split_rays.counts[which]);
+            rays.o.push::<P>(end, near, eye);
+            rays.d.push::<P>(end, near, d);
+            rays.beta.push::<P>(end, near, V3::splat(one));
+            rays.mis_fraction.push::<P>(end, near, mis_fraction);
+            rays.quad.push::<P>(end, near, P::Bits::splat(NO_QUAD));
+            rays.slot.push::<P>(end, near, slot);
+            rays.lead.push::<P>(end, near, P::Bits::splat(0));
+            split_rays.counts[which] += near.bits().count_ones() as usize;
+        }
+        mis_fraction
+    }
+
+    /// How many look from primary vertices: more than one where they have a sharp lobe and emitters are all
+    /// that shines.
+    #[inline(always)]
+    pub(super) fn split_count<P: SimdWide>(
+        &self,
+        split_rays: &SplitRays,
+        params: &BrdfParams<P>,
+    ) -> P {
+        let one = P::splat(1.0);
+        if !split_rays.wanted
+            || !self.lights.has_no_environment()
+            || self.lights.emitter_boxes().is_empty()
+        {
+            return one;
+        }
+        let sharp = params.roughness.alpha.lt(P::splat(SHARP)) & !is_black(params.ks);
+        P::select(sharp, P::splat(SPLIT as f32), one)
+    }
+
+    /// Adds the split rays of primary vertices, which `beta` arrives at.
+    #[inline(always)]
+    pub(super) fn split_at_points<P: SimdWide, M: Microfacet>(
+        &self,
+        split_rays: &mut SplitRays,
+        which_points: P::Mask,
+        from: &PrimaryPoints<P>,
+        beta: Rgb<P>,
+    ) {
+        let PrimaryPoints { point, frame, brdf, context, quad, slot, stream } = *from;
+        let mis_fraction = P::splat(1.0 / SPLIT as f32);
+        for which in 0..EXTRA {
+            let stream = stream.one_of(EXTRA as u32, which as u32);
+            let [lobe_choice, _] = stream.pair_bits(Slot::SPLIT_CHOICE);
+            let u = pair::<P>(&stream, Slot::SPLIT_DIRECTION);
+            let next = brdf.sample::<M>(unit::<P>(lobe_choice), u);
+            let d = frame.to_world(next.wi);
+            let cos = M::cosine(next.wi.z);
+            let beta = beta * next.f * (cos / next.pdf);
+            let zero = P::splat(0.0);
+            let leaves = next.pdf.gt(zero) & M::cosine(point.ng.dot(d)).gt(zero);
+            let goes = which_points & leaves & !is_black(beta);
+            let o = offset_origin(point.p, point.error, point.ng, d);
+            let goes = goes & self.lights.may_hit_emitter(o, d);
+            let pdf = next.pdf;
+            let stream = from.stream;
+            let lead = P::Bits::splat(0);
+            let way =
+                RayBatch { o, d, beta, pdf, mis_fraction, cos, context, quad, slot, lead, stream };
+            let (rays, end) = (&mut split_rays.rounds[which], split_rays.counts[which]);
+            split_rays.counts[which] += rays.push::<P>(end, goes, &way, &self.lights, 0);
+        }
+    }
+}
+
+impl SplitRays {
+    /// Forgets all rays.
+    pub(super) fn begin(&mut self, wanted: bool) {
+        self.wanted = wanted;
+        self.counts = [0; EXTRA];
+    }
+}
+
+/// Sends the split rays on, to the emitters that they hit.
+pub(super) struct TraceSplitRays<'a, M> {
+    pub(super) tracer: &'a Tracer,
+    pub(super) batch: &'a mut PathBatch,
+    /// What they arrive at.
+    pub(super) event: u32,
+    pub(super) stack: &'a mut Stack,
+    pub(super) model: PhantomData<M>,
+}
+
+impl<M: Microfacet> TraceSplitRays<'_, M> {
+    pub(super) fn run(self, rays: &mut u64, counts: &mut RayCounts, watch: Watch) {
+        let TraceSplitRays { tracer, batch, event, stack, model } = self;
+        let isa = tracer.scene.bvh().isa();
+        for round in 0..EXTRA {
+            let count = take(&mut batch.split_rays.counts[round]);
+            if count == 0 {
+                continue;
+            }
+            swap(&mut batch.paths, &mut batch.split_rays.rounds[round]);
+            counts.tree_rays +=
+                dispatch(isa, TraceRays { tracer, batch, count, known: false, stack });
+            *rays += count as u64;
+            counts.nearest += count as u64;
+            watch(Stage::Trace, count);
+            dispatch(isa, ShadeHits { tracer, batch, count, event, last: true, model });
+            watch(Stage::Shade, count);
+            swap(&mut batch.paths, &mut batch.split_rays.rounds[round]);
+        }
+    }
+}

@@ -1,0 +1,312 @@
+//! What rays hit: fetched one by one, made into surfaces lane by lane.
+
+use super::RayQueue;
+use crate::brdf::{Alpha, BrdfParams};
+use crate::geometry::{
+    Geometry, Hit, NO_QUAD, QuadHits, SurfacePoint, flat_surface, resolve, shading_normal,
+};
+use crate::math::gather_table::GatherTable;
+use crate::math::simd::{Bits, Mask, Simd, Simd8, SimdWide};
+use crate::math::soa::{Soa, Soa3};
+use crate::math::{Rgb, V3};
+use crate::scene::Material;
+
+/// Kd; Ks; alpha; a_p; emission; how it reflects.
+const FIELDS: usize = 12;
+
+#[derive(Debug)]
+pub(super) struct MaterialTable(GatherTable<FIELDS>);
+
+/// How a material reflects: not at all, as its lobes have it, with a weak specular lobe, or as a
+/// mirror.
+const REFLECTS: f32 = 1.0;
+const WEAKLY: f32 = 2.0;
+const MIRRORS: f32 = 3.0;
+
+/// A specular lobe alone that is sharper than this is a mirror: what one path sees in it is of no use
+/// to its neighbours.
+const MIRROR_ALPHA: f32 = 0.05;
+
+/// A specular lobe is weak if its reflectance at normal incidence is at most this part of all, and it
+/// is at least this rough: then what it adds varies so little that one path's share of it is as good
+/// as what all of a group could send.
+const WEAK_SHARE: f32 = 0.1;
+const WEAK_ALPHA: f32 = 0.2;
+
+fn is_weak(params: &BrdfParams) -> bool {
+    let [diffuse, specular] = [params.kd.luminance(), params.ks.luminance()];
+    let is_there = !params.ks.is_black();
+    is_there
+        && specular <= WEAK_SHARE * (diffuse + specular)
+        && params.roughness.alpha >= WEAK_ALPHA
+}
+
+/// Materials of lanes.
+pub(super) struct Materials<P: Simd> {
+    pub(super) params: BrdfParams<P>,
+    pub(super) emission: Rgb<P>,
+    pub(super) emits: P::Mask,
+    pub(super) reflects: P::Mask,
+    pub(super) weak: P::Mask,
+    pub(super) mirror: P::Mask,
+}
+
+impl<P: SimdWide> Materials<P> {
+    /// The part of the BRDF that paths share: all but a weak lobe.
+    #[inline(always)]
+    pub(super) fn shared_params(&self) -> BrdfParams<P> {
+        let BrdfParams { kd, ks, roughness } = self.params;
+        let strong = !self.weak;
+        let ks = Rgb::new(ks.r.or_zero(strong), ks.g.or_zero(strong), ks.b.or_zero(strong));
+        BrdfParams { kd, ks, roughness }
+    }
+}
+
+impl MaterialTable {
+    pub(super) fn new(materials: &[Material]) -> MaterialTable {
+        let record = |m: &Material| {
+            let (kd, ks, light) = (Rgb::from(m.kd), Rgb::from(m.ks), Rgb::from(m.emission));
+            let roughness = Alpha::from(m.roughness);
+            let reflects = match kd.is_black() && ks.is_black() {
+                true => 0.0,
+                false if is_weak(&BrdfParams { kd, ks, roughness }) => WEAKLY,
+                false if kd.is_black() && roughness.alpha < MIRROR_ALPHA => MIRRORS,
+                false => REFLECTS,
+            };
+            [
+                kd.r,
+                kd.g,
+                kd.b,
+                ks.r,
+                ks.g,
+                ks.b,
+                roughness.alpha,
+                roughness.exponent,
+                light.r,
+                light.g,
+                light.b,
+                reflects,
+            ]
+        };
+        MaterialTable(GatherTable::new(materials.iter().map(record).collect()))
+    }
+
+    /// One material's BRDF.
+    #[inline(always)]
+    pub(super) fn params(&self, index: u32) -> BrdfParams {
+        let f = self.0.record(index as usize);
+        BrdfParams {
+            kd: Rgb::new(f[0], f[1], f[2]),
+            ks: Rgb::new(f[3], f[4], f[5]),
+            roughness: Alpha { alpha: f[6], exponent: f[7] },
+        }
+    }
+
+    /// Whether a material has a specular lobe that is weak.
+    #[inline(always)]
+    pub(super) fn is_weak(&self, index: u32) -> bool {
+        self.0.record(index as usize)[11] == WEAKLY
+    }
+
+    /// The part of a material's BRDF that paths share: all but a weak lobe.
+    #[inline(always)]
+    pub(super) fn shared_params(&self, index: u32) -> BrdfParams {
+        let params = self.params(index);
+        if self.is_weak(index) { BrdfParams { ks: Rgb::BLACK, ..params } } else { params }
+    }
+
+    #[inline(always)]
+    pub(super) fn get<P: SimdWide>(&self, index: P::Bits) -> Materials<P> {
+        let f = self.0.get::<P>(index);
+        let emission = Rgb::new(f[8], f[9], f[10]);
+        Materials {
+            params: BrdfParams {
+                kd: Rgb::new(f[0], f[1], f[2]),
+                ks: Rgb::new(f[3], f[4], f[5]),
+                roughness: Alpha { alpha: f[6], exponent: f[7] },
+            },
+            emission,
+            emits: emission.max_channel().gt(P::splat(0.0)),
+            reflects: f[11].gt(P::splat(0.0)),
+            weak: f[11].equal(P::splat(WEAKLY)),
+            mirror: f[11].equal(P::splat(MIRRORS)),
+        }
+    }
+}
+
+/// Where rays hit surfaces.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Hits {
+    pub(super) t: Soa<f32>,
+    b: [Soa<f32>; 2],
+    /// `u32::MAX` for nothing.
+    pub(super) primitive: Soa<u32>,
+    pub(super) material: Soa<u32>,
+    pub(super) quad: Soa<u32>,
+    /// All ones where distance and weights are still to be found.
+    unresolved: Soa<u32>,
+    /// A triangle's corners; another shape's point, normal and bound on the error.
+    corners: [Soa3; 3],
+    /// Normals of a smooth triangle's corners.
+    normals: [Soa3; 3],
+    kind: Soa<u32>,
+    /// [`Geometry::least_error`]
+    least_error: f32,
+}
+
+/// So many triangles and their corners are in the processor's caches anyway.
+const MANY: usize = 10_000;
+/// How many hits before a shape is wanted its corners are asked for; its indices twice as many.
+const AHEAD: usize = 8;
+
+const NOTHING: u32 = 0;
+const FLAT: u32 = 1;
+const SMOOTH: u32 = 2;
+const OTHER: u32 = 3;
+
+/// Surfaces of lanes.
+pub(super) struct Surfaces<P: Simd> {
+    pub(super) hit: P::Mask,
+    /// Its normals on either side.
+    pub(super) point: SurfacePoint<P>,
+}
+
+impl Hits {
+    /// Takes down the large quads that rays hit, if any.
+    #[inline(always)]
+    pub(super) fn set_quads<P: SimdWide>(&mut self, at: usize, hits: &QuadHits<P>) {
+        let none = P::Bits::splat(u32::MAX);
+        let missed = P::equal_bits(hits.quad, P::Bits::splat(NO_QUAD));
+        self.t.store(at, hits.t);
+        self.primitive.store::<P>(at, P::select_bits(missed, none, hits.triangle));
+        self.quad.store::<P>(at, hits.quad);
+        self.unresolved.store::<P>(at, P::select_bits(missed, P::Bits::splat(0), none));
+    }
+
+    /// Takes down what one ray hit.
+    #[inline(always)]
+    pub(super) fn set(&mut self, at: usize, hit: Option<Hit>, quad: u32) {
+        let Hit { t, primitive, b } =
+            hit.unwrap_or(Hit { t: f32::INFINITY, primitive: u32::MAX, b: [0.0; 2] });
+        self.put(at, t, b, primitive, quad);
+    }
+
+    /// Takes down a hit by its numbers.
+    #[inline(always)]
+    pub(super) fn put(&mut self, at: usize, t: f32, b: [f32; 2], primitive: u32, quad: u32) {
+        self.t.0[at] = t;
+        self.primitive.0[at] = primitive;
+        self.b[0].0[at] = b[0];
+        self.b[1].0[at] = b[1];
+        self.quad.0[at] = quad;
+        self.unresolved.0[at] = 0;
+    }
+
+    /// The numbers of a hit, once all are found.
+    pub(super) fn of(&self, at: usize) -> (f32, [f32; 2], u32, u32) {
+        let b = [self.b[0].0[at], self.b[1].0[at]];
+        (self.t.0[at], b, self.primitive.0[at], self.quad.0[at])
+    }
+
+    /// Finds distances and weights where they are not known yet; the shapes have to be there.
+    #[inline(always)]
+    pub(super) fn resolve<P: SimdWide>(&mut self, paths: &RayQueue, count: usize) {
+        for at in (0..count).step_by(P::WIDTH) {
+            let unresolved = !P::equal_bits(self.unresolved.load::<P>(at), P::Bits::splat(0));
+            if !unresolved.any() {
+                continue;
+            }
+            let [a, b, c] = &self.corners;
+            let corners = [a.load::<P>(at), b.load::<P>(at), c.load::<P>(at)];
+            let (o, d) = (paths.o.load::<P>(at), paths.d.load::<P>(at));
+            let (t, b) = resolve(o, d, corners, unresolved);
+            self.t.store(at, P::select(unresolved, t, self.t.load::<P>(at)));
+            for (column, b) in self.b.iter_mut().zip(b) {
+                column.store(at, P::select(unresolved, b, column.load::<P>(at)));
+            }
+        }
+    }
+
+    /// Gathers the shapes. Each is anywhere in memory, so memory is asked for those to come.
+    #[inline(always)]
+    pub(super) fn fetch<W: Simd8>(&mut self, geometry: &Geometry, paths: &RayQueue, count: usize) {
+        let (faces, vertices) = (geometry.faces(), geometry.vertices());
+        self.least_error = geometry.least_error();
+        for at in 0..count {
+            if faces.len() > MANY {
+                let primitives = &self.primitive.0[..count];
+                let ahead = |n: usize| primitives.get(at + n).and_then(|&i| faces.get(i as usize));
+                if let Some(face) = ahead(2 * AHEAD) {
+                    W::prefetch(face);
+                }
+                if let Some(face) = ahead(AHEAD) {
+                    for i in face.vertices {
+                        W::prefetch(&vertices[i as usize]);
+                    }
+                }
+            }
+            let primitive = self.primitive.0[at];
+            if primitive == u32::MAX {
+                self.kind.0[at] = NOTHING;
+                self.material.0[at] = 0;
+                continue;
+            }
+            let Some(face) = faces.get(primitive as usize) else {
+                self.material.0[at] = geometry.material(primitive);
+                let b = [self.b[0].0[at], self.b[1].0[at]];
+                let hit = Hit { t: self.t.0[at], primitive, b };
+                let point = geometry.surface(&paths.ray(at), &hit);
+                self.kind.0[at] = OTHER;
+                for (column, v) in self.corners.iter_mut().zip([point.p, point.ng, point.error]) {
+                    column.set(at, v);
+                }
+                continue;
+            };
+            self.material.0[at] = face.material;
+            let corners = face.vertices.map(|i| vertices[i as usize]);
+            for (column, vertex) in self.corners.iter_mut().zip(corners) {
+                column.set(at, vertex.position);
+            }
+            let normals = corners.map(|vertex| V3::from(vertex.normal));
+            if normals.contains(&V3::default()) {
+                self.kind.0[at] = FLAT;
+                continue;
+            }
+            self.kind.0[at] = SMOOTH;
+            for (column, n) in self.normals.iter_mut().zip(normals) {
+                column.set(at, n);
+            }
+        }
+    }
+
+    /// The surfaces of the members from `at` on.
+    #[inline(always)]
+    pub(super) fn surfaces<P: SimdWide>(&self, at: usize) -> Surfaces<P> {
+        let kind = self.kind.load::<P>(at);
+        let [a, b, c] = &self.corners;
+        let corners = [a.load::<P>(at), b.load::<P>(at), c.load::<P>(at)];
+        let weights = [self.b[0].load::<P>(at), self.b[1].load::<P>(at)];
+        let mut point = flat_surface(corners, weights);
+        point.error = point.error.max(V3::splat(P::splat(self.least_error)));
+        let smooth = is::<P>(kind, SMOOTH);
+        if smooth.any() {
+            let [a, b, c] = &self.normals;
+            let normals = [a.load::<P>(at), b.load::<P>(at), c.load::<P>(at)];
+            point.ns = V3::select(smooth, shading_normal(point.ng, normals, weights), point.ng);
+        }
+        let other = is::<P>(kind, OTHER);
+        if other.any() {
+            let [p, n, error] = corners;
+            point.p = V3::select(other, p, point.p);
+            point.ng = V3::select(other, n, point.ng);
+            point.ns = V3::select(other, n, point.ns);
+            point.error = V3::select(other, error, point.error);
+        }
+        Surfaces { hit: !is::<P>(kind, NOTHING), point }
+    }
+}
+
+#[inline(always)]
+fn is<P: SimdWide>(kind: P::Bits, wanted: u32) -> P::Mask {
+    P::equal_bits(kind, P::Bits::splat(wanted))
+}

@@ -1,0 +1,553 @@
+//! What reuse vertices send to the primary vertices that see them.
+
+use super::super::PathBatch;
+use super::super::hits::MaterialTable;
+use super::super::shade::is_black;
+use super::{LARGEST, PrimaryVertices, ReuseVertices, Runs};
+use crate::brdf::{Brdf, BrdfParams, Microfacet};
+use crate::geometry::bent;
+use crate::math::simd::{Mask, SimdWide};
+use crate::math::special::INV_PI;
+use crate::math::{Frame, Rgb, V3};
+use crate::trace::Tracer;
+
+impl Tracer {
+    /// Adds to each path what the reuse vertices of its group send its way. Returns how often a
+    /// specular lobe was evaluated for it.
+    #[inline(always)]
+    pub(in super::super) fn gather_light<P: SimdWide, M: Microfacet>(
+        &self,
+        batch: &mut PathBatch,
+    ) -> u64 {
+        let PathBatch { primary, reuse, ends, radiance, .. } = batch;
+        let materials = &self.tables.materials;
+        let mut viewers: Vec<Viewers<P>> = Vec::with_capacity(LARGEST / P::WIDTH);
+        let mut pairs = PairTerms::default();
+        let mut run = Runs::new(ends);
+        let (mut at, mut glossy) = (0, 0);
+        while let Some(&first) = reuse.order.get(at) {
+            run.reach(reuse.slot.0[first as usize] as usize);
+            viewers.clear();
+            // As many as can be summed up in the same order by any width.
+            let places = run.base..run.base + run.len().next_multiple_of(16);
+            for at in places.step_by(P::WIDTH) {
+                viewers.push(Viewers::load::<M>(primary, materials, at));
+            }
+            let diffuse = (run.base..run.end).all(|at| {
+                let params = materials.shared_params(primary.point.material.0[at]);
+                primary.there.0[at] == 0 || params.ks.is_black()
+            });
+            while let Some(&entry) = reuse.order.get(at) {
+                let entry = entry as usize;
+                let slot = reuse.slot.0[entry] as usize;
+                if slot >= run.end {
+                    break;
+                }
+                at += 1;
+                if reuse.is_lit(slot) {
+                    let second = ReuseVertex::at(reuse, primary, materials, entry);
+                    // At the primary vertices one direction, at the second one two.
+                    let params = u64::from(!diffuse) + 2 * u64::from(!second.shared.ks.is_black());
+                    glossy += params * run.len() as u64;
+                    let rest =
+                        second.send::<P, M>(primary, run.base, diffuse, &mut viewers, &mut pairs);
+                    let rest = rest * Rgb::from(primary.throughput.get(slot));
+                    let own = &mut radiance[slot];
+                    for (sum, rest) in own.iter_mut().zip(<[f32; 3]>::from(rest)) {
+                        *sum += rest;
+                    }
+                }
+            }
+            for (at, viewers) in (run.base..run.end).step_by(P::WIDTH).zip(&viewers) {
+                let mut sum = viewers.sum * primary.throughput.load_rgb::<P>(at);
+                if diffuse {
+                    sum *= viewers.brdf.params().kd;
+                }
+                let mut sums = [[0.0; 16]; 3];
+                for (x, column) in [sum.r, sum.g, sum.b].into_iter().zip(&mut sums) {
+                    x.store(column);
+                }
+                let places = radiance[at..run.end].iter_mut().take(P::WIDTH);
+                for (lane, sum) in places.enumerate() {
+                    for (sum, column) in sum.iter_mut().zip(&sums) {
+                        *sum += column[lane];
+                    }
+                }
+            }
+        }
+        glossy
+    }
+}
+
+/// Primary vertices of a group, a register of them, with what they have received.
+struct Viewers<P: SimdWide> {
+    p: V3<P>,
+    frame: Frame<P>,
+    brdf: Brdf<P>,
+    sum: Rgb<P>,
+}
+
+impl<P: SimdWide> Viewers<P> {
+    #[inline(always)]
+    fn load<M: Microfacet>(
+        primary: &PrimaryVertices,
+        materials: &MaterialTable,
+        at: usize,
+    ) -> Viewers<P> {
+        let frame = Frame::around(primary.point.ns.load::<P>(at));
+        let material = materials.get::<P>(primary.point.material.load::<P>(at));
+        let wo = frame.to_local(primary.wo.load::<P>(at));
+        Viewers {
+            p: primary.point.p.load::<P>(at),
+            frame,
+            brdf: material.shared_params().at_wo::<M>(wo),
+            sum: Rgb::splat(P::splat(0.0)),
+        }
+    }
+}
+
+/// One number for each pair of a reuse vertex with the first ones.
+type PairRow = [f32; LARGEST];
+
+/// All pairs of one reuse vertex with the primary vertices of its group.
+#[repr(align(64))]
+struct PairTerms {
+    /// Cosine at the reuse vertex over the distance squared.
+    geometry: PairRow,
+    /// Density of finding it, by area; then its share.
+    density: PairRow,
+    /// BRDF and cosine at the primary vertex times the geometry; then over all densities.
+    throughput: [PairRow; 3],
+    /// At the reuse vertex: BRDF in 1/sr and density in 1/sr of the asked and the sampled direction.
+    f: [[PairRow; 3]; 2],
+    pdf: [PairRow; 2],
+}
+
+impl Default for PairTerms {
+    fn default() -> PairTerms {
+        let zero = [0.0; LARGEST];
+        PairTerms {
+            geometry: zero,
+            density: zero,
+            throughput: [zero; 3],
+            f: [[zero; 3]; 2],
+            pdf: [zero; 2],
+        }
+    }
+}
+
+/// Light times the cosine over the density of its direction; none where there is none, for where a
+/// path did not go on the density may be so near to 0 that it has no finite inverse.
+#[inline(always)]
+fn over(light: Rgb, cos: f32, density: f32) -> Rgb {
+    if light.is_black() { Rgb::BLACK } else { light * (cos / density) }
+}
+
+/// One reuse vertex.
+struct ReuseVertex {
+    slot: usize,
+    seen: u128,
+    p: V3,
+    ng: V3,
+    frame: Frame,
+    /// All of the BRDF, and the part that is shared.
+    params: BrdfParams,
+    shared: BrdfParams,
+    /// Kd of the path's primary vertex if the lobe there is weak.
+    weak_first: Option<Rgb>,
+    light_dir: (V3, f32),
+    bsdf_dir: (V3, f32),
+    f: Rgb,
+    own: OwnPathTerms,
+    light: Rgb,
+    emitted: Rgb,
+    emitted_pdf: f32,
+    reflected: Rgb,
+}
+
+/// What its own path makes of the two directions: BRDF times cosine, and the density of sampling
+/// the sampled one.
+struct OwnPathTerms {
+    light_dir: Rgb,
+    light_pdf: f32,
+    bsdf_dir: Rgb,
+}
+
+impl ReuseVertex {
+    #[inline(always)]
+    fn at(
+        reuse: &ReuseVertices,
+        primary: &PrimaryVertices,
+        materials: &MaterialTable,
+        entry: usize,
+    ) -> ReuseVertex {
+        let slot = reuse.slot.0[entry] as usize;
+        let (first, second) = (primary.point.material.0[slot], reuse.point.material.0[entry]);
+        ReuseVertex {
+            slot,
+            seen: reuse.seen[entry],
+            p: reuse.point.p.get(entry).into(),
+            ng: reuse.point.ng.get(entry).into(),
+            frame: Frame::around(V3::from(reuse.point.ns.get(entry))),
+            params: materials.params(second),
+            shared: materials.shared_params(second),
+            weak_first: materials.is_weak(first).then(|| materials.params(first).kd),
+            light_dir: (reuse.light_dir.wi.get(entry).into(), reuse.light_dir.pdf.0[entry]),
+            bsdf_dir: (reuse.bsdf_dir.wi.get(entry).into(), reuse.bsdf_dir.pdf.0[entry]),
+            f: reuse.f.get(entry).into(),
+            own: OwnPathTerms {
+                light_dir: reuse.own_light.get(entry).into(),
+                light_pdf: reuse.own_light_pdf.0[entry],
+                bsdf_dir: reuse.own_sampled.get(entry).into(),
+            },
+            light: reuse.light[slot].into(),
+            emitted: reuse.emitted[slot].into(),
+            emitted_pdf: reuse.emitted_pdf[slot],
+            reflected: reuse.reflected[slot].into(),
+        }
+    }
+
+    /// Adds to the viewers what this point sends them; where all of them are `diffuse`, what is still to
+    /// be multiplied by their reflectance. Returns what its own path has besides, of lobes that are
+    /// not shared.
+    #[inline(always)]
+    fn send<P: SimdWide, M: Microfacet>(
+        &self,
+        primary: &PrimaryVertices,
+        base: usize,
+        diffuse: bool,
+        viewers: &mut [Viewers<P>],
+        pairs: &mut PairTerms,
+    ) -> Rgb {
+        let group = viewers.len() * P::WIDTH;
+        let own = self.slot - base;
+        if diffuse {
+            self.pair_terms_diffuse::<P>(viewers, pairs);
+        } else {
+            self.pair_terms::<P, M>(viewers, pairs);
+        }
+        // The density with which its own path found the point, by area.
+        let away = self.p - V3::from(primary.point.p.get(self.slot));
+        let inverse2 = 1.0 / away.length2();
+        let geometry = self.ng.dot(away).abs() * inverse2 * inverse2.sqrt();
+        let density = primary.pdf.0[self.slot] * geometry;
+        // Of what it sends the part that is shared has this share. Its own path knows its own numbers
+        // from having sampled them, to more digits.
+        let mut share = 1.0;
+        let mut beta = Rgb::from(primary.beta.get(self.slot));
+        if let Some(kd) = self.weak_first {
+            share = primary.diffuse_share.0[self.slot];
+            beta = kd * share;
+        }
+        if self.weak_first.is_some() || !diffuse {
+            pairs.density[own] = share * density;
+        }
+        if !diffuse {
+            for (throughput, beta) in pairs.throughput.iter_mut().zip(<[f32; 3]>::from(beta)) {
+                throughput[own] = beta * density;
+            }
+        }
+        // A normal that is bent for some is a reason to share all that is there: the frames differ.
+        let bends = self.bends_for(viewers);
+        let mut rest = Rgb::BLACK;
+        if self.weak_first.is_some() || (self.shared.ks != self.params.ks && !bends) {
+            rest = self.rest(primary, share, bends);
+        }
+        let all = sum(&pairs.density, group);
+        let per_all = share / all;
+        if !(all > 0.0 && per_all > 0.0 && per_all < f32::INFINITY) {
+            return rest;
+        }
+        let cosines = [self.light_dir.0.z, self.bsdf_dir.0.z];
+        if bends {
+            self.evaluate_bent::<P, M>(viewers, pairs);
+            // Its own path knows the BRDF to more digits.
+            self.spread(
+                viewers,
+                pairs,
+                (own, self.own.bsdf_dir),
+                diffuse,
+                [all, per_all],
+                [1.0; 2],
+            );
+            return rest;
+        }
+        if self.shared.ks.is_black() {
+            let lo = self.by_diffuse_lobe(self.params.kd) * per_all;
+            let lo = lo.splat_lanes::<P>();
+            for (at, viewers) in (0..).step_by(P::WIDTH).zip(viewers) {
+                viewers.sum += pairs.throughput_at::<P>(at, diffuse) * lo;
+            }
+            return rest;
+        }
+        self.evaluate::<P, M>(viewers, pairs);
+        self.spread(viewers, pairs, (own, self.f), diffuse, [all, per_all], cosines);
+        rest
+    }
+
+    /// What it sends back by its diffuse lobe, as its own path finds it.
+    #[inline(always)]
+    fn by_diffuse_lobe(&self, kd: Rgb) -> Rgb {
+        let [light_dir, bsdf_dir] = [self.light_dir.0.z, self.bsdf_dir.0.z];
+        let pdf = if self.params.ks.is_black() {
+            light_dir.max(0.0) * INV_PI
+        } else {
+            self.own.light_pdf
+        };
+        let light = self.by_light_sampling(pdf, light_dir)
+            + self.by_bsdf_sampling(self.bsdf_dir.1, bsdf_dir);
+        kd * light * INV_PI
+    }
+
+    /// What its own path has by lobes that are not shared; `share` is the part of it that is.
+    #[inline(always)]
+    fn rest(&self, primary: &PrimaryVertices, share: f32, bends: bool) -> Rgb {
+        let OwnPathTerms { light_dir, light_pdf, bsdf_dir } = self.own;
+        // The BRDFs have their cosines already.
+        let whole = light_dir * self.by_light_sampling(light_pdf, 1.0)
+            + bsdf_dir * self.by_bsdf_sampling(self.bsdf_dir.1, 1.0);
+        let weak_second = self.shared.ks != self.params.ks && !bends;
+        let shared = if weak_second { self.by_diffuse_lobe(self.params.kd) } else { whole };
+        let beta = Rgb::from(primary.beta.get(self.slot));
+        let shared_beta = self.weak_first.map_or(beta, |kd| kd * share);
+        let less = |a: f32, b: f32| (a - b).max(0.0);
+        let (a, b) = (beta * whole, shared_beta * shared);
+        Rgb::new(less(a.r, b.r), less(a.g, b.g), less(a.b, b.b))
+    }
+
+    /// Adds up what was evaluated for all pairs, `f` for its own path's. The BRDFs are still to be
+    /// multiplied by these cosines.
+    #[inline(always)]
+    fn spread<P: SimdWide>(
+        &self,
+        viewers: &mut [Viewers<P>],
+        pairs: &mut PairTerms,
+        (own, f): (usize, Rgb),
+        diffuse: bool,
+        [all, per_all]: [f32; 2],
+        cosines: [f32; 2],
+    ) {
+        let group = viewers.len() * P::WIDTH;
+        pairs.pdf[1][own] = self.bsdf_dir.1;
+        for (row, f) in pairs.f[1].iter_mut().zip(<[f32; 3]>::from(f)) {
+            row[own] = f;
+        }
+        let wanted = self.wanted();
+        let mut densities = [0.0; 2];
+        for (which, density) in densities.iter_mut().enumerate() {
+            if !wanted[which] {
+                continue;
+            }
+            let pdf = &pairs.pdf[which];
+            let mut products = [0.0; LARGEST];
+            let shares = &pairs.density[..group];
+            for ((product, pdf), share) in products.iter_mut().zip(pdf).zip(shares) {
+                *product = pdf * share;
+            }
+            *density = sum(&products, group) / all;
+        }
+        let lights = [
+            self.by_light_sampling(densities[0], cosines[0]) * per_all,
+            self.by_bsdf_sampling(densities[1], cosines[1]) * per_all,
+        ];
+        for (which, light) in lights.into_iter().enumerate() {
+            if !wanted[which] {
+                continue;
+            }
+            let light = light.splat_lanes::<P>();
+            for (at, viewers) in (0..).step_by(P::WIDTH).zip(&mut *viewers) {
+                let lo = pairs.f_at::<P>(which, at) * light;
+                viewers.sum += pairs.throughput_at::<P>(at, diffuse) * lo;
+            }
+        }
+    }
+
+    /// From which of the two directions there comes any light.
+    #[inline(always)]
+    fn wanted(&self) -> [bool; 2] {
+        [!self.light.is_black(), !(self.emitted.is_black() && self.reflected.is_black())]
+    }
+
+    /// What arrives from the sampled light, times the cosine, over the density of its direction:
+    /// by light sampling, and by sampling as the group does on the mean.
+    #[inline(always)]
+    fn by_light_sampling(&self, pdf: f32, cos: f32) -> Rgb {
+        // Another viewer's normal might have had it above.
+        if cos > 0.0 { over(self.light, cos, self.light_dir.1 + pdf) } else { Rgb::BLACK }
+    }
+
+    /// The same for the sampled direction; light that was reflected there could not be asked for.
+    #[inline(always)]
+    fn by_bsdf_sampling(&self, pdf: f32, cos: f32) -> Rgb {
+        if pdf <= 0.0 {
+            return Rgb::BLACK;
+        }
+        over(self.emitted, cos, self.emitted_pdf + pdf) + over(self.reflected, cos, pdf)
+    }
+
+    /// Geometry, densities and BRDFs at the primary vertices.
+    #[inline(always)]
+    fn pair_terms<P: SimdWide, M: Microfacet>(
+        &self,
+        viewers: &[Viewers<P>],
+        pairs: &mut PairTerms,
+    ) {
+        let (p2, ng2) = (self.p.splat_lanes::<P>(), self.ng.splat_lanes::<P>());
+        for (at, viewers) in (0..).step_by(P::WIDTH).zip(viewers) {
+            let seen = P::mask((self.seen >> at) as u32);
+            let away = p2 - viewers.p;
+            let inverse2 = P::splat(1.0) / away.length2();
+            let wi = away * inverse2.sqrt();
+            let geometry = (ng2.dot(wi).abs() * inverse2).or_zero(seen);
+            let local = viewers.frame.to_local(wi);
+            let e = viewers.brdf.eval::<M>(local);
+            let f = e.f * (local.z * geometry);
+            geometry.store(&mut pairs.geometry[at..]);
+            // Where nothing is carried the path would have ended.
+            let seen = seen & !is_black(e.f);
+            (e.pdf * geometry).or_zero(seen).store(&mut pairs.density[at..]);
+            for (f, row) in [f.r, f.g, f.b].into_iter().zip(&mut pairs.throughput) {
+                f.or_zero(seen).store(&mut row[at..]);
+            }
+        }
+    }
+
+    /// [`ReuseVertex::pair_terms`] where all primary vertices are diffuse: BRDF and cosine over the reflectance
+    /// are the density.
+    #[inline(always)]
+    fn pair_terms_diffuse<P: SimdWide>(&self, viewers: &[Viewers<P>], pairs: &mut PairTerms) {
+        let (p2, ng2) = (self.p.splat_lanes::<P>(), self.ng.splat_lanes::<P>());
+        for (at, viewers) in (0..).step_by(P::WIDTH).zip(viewers) {
+            let seen = P::mask((self.seen >> at) as u32);
+            let away = p2 - viewers.p;
+            let inverse2 = P::splat(1.0) / away.length2();
+            let cosines = viewers.frame.n.dot(away) * ng2.dot(away).abs() * inverse2;
+            let density = cosines * P::splat(INV_PI) * inverse2;
+            density.or_zero(seen).store(&mut pairs.density[at..]);
+        }
+    }
+
+    /// Whether the normal here is bent for any of those who see it.
+    #[inline(always)]
+    fn bends_for<P: SimdWide>(&self, viewers: &[Viewers<P>]) -> bool {
+        if self.frame.n == self.ng {
+            return false;
+        }
+        let p2 = self.p.splat_lanes::<P>();
+        let (ng, ns) = (self.ng.splat_lanes::<P>(), self.frame.n.splat_lanes::<P>());
+        for (at, viewers) in (0..).step_by(P::WIDTH).zip(viewers) {
+            let back = viewers.p - p2;
+            let wo = back * (P::splat(1.0) / back.length2()).sqrt();
+            if (P::mask((self.seen >> at) as u32) & bent(ng, ns, wo).1).any() {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// BRDFs, times the cosine, and densities at this point, in the frame that each viewer has here.
+    #[inline(always)]
+    fn evaluate_bent<P: SimdWide, M: Microfacet>(
+        &self,
+        viewers: &[Viewers<P>],
+        pairs: &mut PairTerms,
+    ) {
+        let p2 = self.p.splat_lanes::<P>();
+        let (ng, ns) = (self.ng.splat_lanes::<P>(), self.frame.n.splat_lanes::<P>());
+        let params = self.params.splat_lanes::<P>();
+        let ways = [self.light_dir, self.bsdf_dir].map(|(wi, _)| self.frame.to_world(wi));
+        let wanted = self.wanted();
+        for (at, viewers) in (0..).step_by(P::WIDTH).zip(viewers) {
+            let seen = P::mask((self.seen >> at) as u32);
+            let back = viewers.p - p2;
+            let wo = back * (P::splat(1.0) / back.length2()).sqrt();
+            let frame = Frame::around(bent(ng, ns, wo).0);
+            let brdf = params.at_wo::<M>(frame.to_local(wo));
+            for (which, wi) in ways.into_iter().enumerate() {
+                if !wanted[which] {
+                    continue;
+                }
+                let wi = frame.to_local(wi.splat_lanes());
+                let e = brdf.eval::<M>(wi);
+                let reflects = seen & wi.z.gt(P::splat(0.0)) & !is_black(e.f);
+                let f = e.f * wi.z;
+                e.pdf.or_zero(reflects).store(&mut pairs.pdf[which][at..]);
+                for (f, row) in [f.r, f.g, f.b].into_iter().zip(&mut pairs.f[which]) {
+                    f.or_zero(reflects).store(&mut row[at..]);
+                }
+            }
+        }
+    }
+
+    /// BRDFs and densities at this point.
+    #[inline(always)]
+    fn evaluate<P: SimdWide, M: Microfacet>(&self, viewers: &[Viewers<P>], pairs: &mut PairTerms) {
+        let p2 = self.p.splat_lanes::<P>();
+        let frame = self.frame.splat_lanes::<P>();
+        let params = self.params.splat_lanes::<P>();
+        let wanted = self.wanted();
+        for (at, viewers) in (0..).step_by(P::WIDTH).zip(viewers) {
+            let seen = P::mask((self.seen >> at) as u32);
+            let back = viewers.p - p2;
+            let wo = frame.to_local(back * (P::splat(1.0) / back.length2()).sqrt());
+            let brdf = params.at_wo::<M>(wo);
+            for (which, (wi, _)) in [self.light_dir, self.bsdf_dir].into_iter().enumerate() {
+                if !wanted[which] {
+                    continue;
+                }
+                let e = brdf.eval::<M>(wi.splat_lanes());
+                let pdf = e.pdf.or_zero(seen & !is_black(e.f));
+                pdf.store(&mut pairs.pdf[which][at..]);
+                for (f, row) in [e.f.r, e.f.g, e.f.b].into_iter().zip(&mut pairs.f[which]) {
+                    f.or_zero(seen).store(&mut row[at..]);
+                }
+            }
+        }
+    }
+}
+
+impl PairTerms {
+    #[inline(always)]
+    fn throughput_at<P: SimdWide>(&self, at: usize, diffuse: bool) -> Rgb<P> {
+        if diffuse {
+            return Rgb::splat(P::load(&self.density[at..]));
+        }
+        let [r, g, b] = &self.throughput;
+        Rgb::new(P::load(&r[at..]), P::load(&g[at..]), P::load(&b[at..]))
+    }
+
+    #[inline(always)]
+    fn f_at<P: SimdWide>(&self, which: usize, at: usize) -> Rgb<P> {
+        let [r, g, b] = &self.f[which];
+        Rgb::new(P::load(&r[at..]), P::load(&g[at..]), P::load(&b[at..]))
+    }
+}
+
+/// The sum of the first `count` numbers, a multiple of 16, in an order that does not depend on the
+/// registers' width.
+#[inline(always)]
+fn sum(row: &PairRow, count: usize) -> f32 {
+    let mut sums = [0.0; 16];
+    for part in row[..count].chunks_exact(16) {
+        for (sum, x) in sums.iter_mut().zip(part) {
+            *sum += x;
+        }
+    }
+    for half in [8, 4, 2, 1] {
+        for i in 0..half {
+            sums[i] += sums[i + half];
+        }
+    }
+    sums[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_light_over_next_to_no_density_is_no_light() {
+        let sum = over(Rgb::BLACK, 0.5, 1e-40) + over(Rgb::splat(1.0), 0.5, 2.0);
+        assert_eq!([sum.r, sum.g, sum.b], [0.25; 3]);
+    }
+}
