@@ -1,4 +1,4 @@
-//! Leaf maths: written once over a [SIMD type](lanes::Lane), of which `f32` is the first.
+//! Leaf maths: written once over a [SIMD type](simd::Simd), of which `f32` is the first.
 //!
 //! Nothing here knows of scenes, BRDFs or threads; everything is a pure function of its arguments.
 

@@ -97,7 +97,7 @@ const PLACED_TRIANGLE: u64 = 40;
 const PLACED_VERTEX: u64 = 72;
 const BUILT_TRIANGLE: u64 = 260;
 const BUILT_VERTEX: u64 = 36;
-const BUILT_QUADRIC: u64 = 640;
+const BUILT_ANALYTIC: u64 = 640;
 
 /// Collects shapes in world space; [`SceneBuilder::build`] makes the scene of them.
 ///
@@ -392,10 +392,10 @@ impl SceneBuilder {
 
     /// Bytes that [`SceneBuilder::build`] takes beside what is held already.
     fn build_bytes(&self) -> u64 {
-        let quadrics = self.spheres.len() + self.cylinders.len();
+        let analytic = self.spheres.len() + self.cylinders.len();
         self.triangles.len() as u64 * BUILT_TRIANGLE
             + self.positions.len() as u64 * BUILT_VERTEX
-            + quadrics as u64 * BUILT_QUADRIC
+            + analytic as u64 * BUILT_ANALYTIC
     }
 
     /// [`SceneBuilder::build`] if there is the memory for it: refused before it is begun, with what

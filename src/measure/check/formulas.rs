@@ -222,7 +222,7 @@ pub(super) fn direction(cos: f64, phi: f64) -> V3 {
 
 /// Grey lobes.
 pub(super) fn grey(kd: f32, ks: f32, roughness: Alpha) -> BrdfParams {
-    BrdfParams { kd: Rgb::splat(kd), ks: Rgb::splat(ks), roughness: roughness }
+    BrdfParams { kd: Rgb::splat(kd), ks: Rgb::splat(ks), roughness }
 }
 
 /// f and density.

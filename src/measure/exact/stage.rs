@@ -20,7 +20,7 @@ pub(super) const POINT: f64 = 1e-5;
 
 /// What single precision costs a scene of unit size: positions on lights, the step off a surface,
 /// and a dozen rounding errors of densities. Relative.
-const ROUNDING: f64 = 1e-5;
+const ROUNDING_ERROR: f64 = 1e-5;
 
 /// A viewer of no special place: unit, above the plane.
 pub(super) const ASIDE: DVec3 = DVec3::new(-0.48, 0.36, 0.8);
@@ -64,7 +64,7 @@ impl ExactStage {
         // Paths share, where they can: that is what a picture is made by.
         let group = Some(ReuseGroup::ThirtyTwo);
         let params = Params { group, ..Params::new(Arc::new(scene)) };
-        Ok(ExactStage { params, share: 1.0, rest: 0.0, bound: ROUNDING })
+        Ok(ExactStage { params, share: 1.0, rest: 0.0, bound: ROUNDING_ERROR })
     }
 
     pub(super) fn model(mut self, model: Model) -> ExactStage {

@@ -60,8 +60,8 @@ pub fn all() -> Result<CaseTable, ExactError> {
     let mut table = CaseTable { scenes: rows.len(), ..CaseTable::default() };
     for row in rows {
         let scene = Arc::new(row.scene);
-        let asked = row.expected.into_iter().filter(|(q, _)| !row.left_out.contains_key(q));
-        table.cases.extend(asked.map(|(quantity, expected)| Case {
+        let wanted = row.expected.into_iter().filter(|(q, _)| !row.left_out.contains_key(q));
+        table.cases.extend(wanted.map(|(quantity, expected)| Case {
             id: row.id.clone(),
             quantity,
             group: scene.name(),

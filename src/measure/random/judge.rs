@@ -24,7 +24,7 @@ const MORE: u64 = 2;
 /// Beyond so many standard errors at two looks running nothing is left to look at.
 const CERTAIN: f64 = 7.0;
 /// Orders of sums and quick reciprocals: what two right tracers may differ by without any noise.
-const ROUNDING: f64 = 1e-5;
+const ROUNDING_ERROR: f64 = 1e-5;
 /// Weights of the channels, so that no two can be exchanged unseen.
 const CHANNELS: [f64; 3] = [0.2, 0.3, 0.5];
 
@@ -381,7 +381,7 @@ fn mean_and_variance(values: &[f64]) -> (f64, f64) {
 /// (Welch's for independent ones).
 fn compare(engine: f64, reference: f64, variance: f64, freedom: f64) -> Region {
     let off = engine - reference;
-    let beyond = (off.abs() - ROUNDING * reference).max(0.0).copysign(off);
+    let beyond = (off.abs() - ROUNDING_ERROR * reference).max(0.0).copysign(off);
     let standard_error = variance.sqrt();
     let sigmas = match beyond == 0.0 {
         true => 0.0,

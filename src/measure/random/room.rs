@@ -59,7 +59,7 @@ pub(super) enum Form {
     /// A floor, and now and then a wall, under a sky.
     Ground,
     /// Two plates that face each other.
-    Plates(f64),
+    ParallelPlanes(f64),
     /// Nothing.
     Sky,
 }
@@ -89,7 +89,7 @@ impl Room {
             6 => Form::Sphere(spare),
             7 => Form::Cylinder(spare, half.z),
             8 => Form::Sky,
-            _ => Form::Plates(half.z),
+            _ => Form::ParallelPlanes(half.z),
         };
         let wall = |at: DVec3, u: DVec3, v: DVec3, normal: DVec3| Wall {
             centre: centre + at,
@@ -119,7 +119,7 @@ impl Room {
                 let r = radius * std::f64::consts::FRAC_1_SQRT_2;
                 [-1.0, 1.0].map(|side| wall(z * (side * h), x * r, y * r, z * -side)).into()
             }
-            Form::Plates(h) => {
+            Form::ParallelPlanes(h) => {
                 let edges = [draw.within(0.5, 2.0), draw.within(0.5, 2.0)];
                 let other = [draw.within(0.5, 2.0), draw.within(0.5, 2.0)];
                 vec![
@@ -149,7 +149,7 @@ impl Room {
                 let in_front = |w: &Wall| w.normal.dot(p + self.centre - w.centre) > radius;
                 far(2.0) && self.walls.iter().all(in_front)
             }
-            Form::Plates(h) => far(2.0) && p.z.abs() + radius < h,
+            Form::ParallelPlanes(h) => far(2.0) && p.z.abs() + radius < h,
             Form::Sky => far(1.5),
         }
     }
