@@ -17,14 +17,14 @@
 //! of squared errors and the sum of their estimates are about chi-square distributed, so their
 //! ratio has Fisher's distribution, with as many terms as effectively matter. Replicate means of
 //! few samples have longer tails than the normal ones of that theory, and the count of terms is
-//! itself taken from them: where an emitter's corner owns the error and all four replicates happen to
+//! itself taken from them: where a lamp's corner owns the error and all four replicates happen to
 //! agree on it, it is neither in the sum nor in the count. Counting a quarter of the terms makes up
 //! for most of it: the upper limit holds in 92 % of such pictures (64x48 pixels, one or two of them
 //! owning a third of the error), in 97 % and more of others.
 
 use super::Film;
 use super::interval::{Interval, ratio};
-use crate::math::sobol::REPLICATES;
+use crate::math::sequence::REPLICATES;
 
 /// Degrees of freedom of a pixel's standard error, away from the edges of tiles: half of what nine
 /// pixels have, for neighbours that share their paths err alike.
@@ -149,7 +149,7 @@ impl Around {
 ///
 /// The mean of the neighbours, and as much of the pixel's difference from it as stands out of
 /// twice the noise of both (shrinkage as of James and Stein 1961, variances known): a firefly then
-/// counts against its surroundings, the rim of an emitter against itself. But at most the pixel's own
+/// counts against its surroundings, the rim of a lamp against itself. But at most the pixel's own
 /// mean, less its noise: of the pixels that a rare sample could light, those that it did light are
 /// too bright.
 fn radiance2(mean: &[f64; 3], variance: &[f64; 3], around: &Around) -> [f64; 3] {

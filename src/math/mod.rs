@@ -9,6 +9,8 @@ pub(crate) mod numbers;
 pub mod simd;
 pub(crate) mod soa;
 pub mod sobol;
+#[doc(hidden)]
+pub use sobol as sequence;
 pub mod special;
 pub mod vec;
 pub mod warp;
