@@ -125,6 +125,7 @@ pub(super) enum Group {
     SpecRect(glossy::SpecRect),
     SpecSphere(glossy::SpecSphere),
     Mirror(glossy::Mirror),
+    #[serde(rename = "plates")]
     ParallelPlanes(rooms::ParallelPlanes),
     Concentric(rooms::Concentric),
     Integrating(rooms::Integrating),
