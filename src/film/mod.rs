@@ -83,6 +83,12 @@ impl Film {
         sums::quantum_for(brightest)
     }
 
+    /// Bytes of memory of a pixel's sums after so many passes in which no sample is above the brightest
+    /// emission: 96, or 192 once they outgrow 64 bits.
+    pub(crate) fn pixel_bytes(brightest: f32, passes: u64) -> u64 {
+        sums::pixel_bytes(brightest, passes.div_ceil(REPLICATES as u64)) as u64
+    }
+
     /// Makes it an empty film of this many pixels in rows of `width`, for samples of which the
     /// brightest emission is 1, keeping its memory.
     pub fn clear(&mut self, width: usize, pixels: usize) {

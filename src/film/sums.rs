@@ -170,6 +170,13 @@ pub(super) fn quantum_for(brightest: f32) -> i32 {
     }
 }
 
+/// Bytes of a pixel's sums after so many samples of each replicate, none of them above the brightest emission.
+pub(super) fn pixel_bytes(brightest: f32, samples: u64) -> usize {
+    let quanta = f64::from(brightest) * power_of_two(-quantum_for(brightest));
+    let fit = quanta.is_nan() || quanta * (samples as f64) < ROOM as f64;
+    if fit { size_of::<[[i64; 3]; REPLICATES]>() } else { size_of::<Exact>() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -193,6 +200,27 @@ mod tests {
             assert_eq!(quantum_for(none), -BITS);
         }
         assert_eq!([power_of_two(-3), power_of_two(4)], [0.125, 16.0]);
+    }
+
+    /// What is told ahead is what they come to.
+    #[test]
+    fn the_bytes_of_a_pixel_are_foreseen() {
+        for (brightest, samples) in [
+            (0.0, 9),
+            (1.0, 9),
+            (8.0, 16_000),
+            (8.0, 33_000),
+            (2e5, 1),
+            (2e5, 2),
+            (3e5, 1),
+            (1e12, 1),
+        ] {
+            let mut sums = Sums::default();
+            sums.clear(64, quantum_for(brightest));
+            (0..samples).for_each(|_| sums.add(0, 1, [0.0, brightest, 0.5 * brightest]));
+            assert_eq!(sums.bytes(), 64 * pixel_bytes(brightest, samples), "{brightest} {samples}");
+        }
+        assert_eq!(pixel_bytes(f32::NAN, 1), pixel_bytes(0.0, 1));
     }
 
     /// Samples over forty decades, negative ones among them: in any order and in any parts they come to

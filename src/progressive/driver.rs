@@ -212,7 +212,7 @@ impl Driver {
             return kept;
         }
         if self.spare.is_empty() {
-            self.cache.make_room(params.bytes());
+            self.cache.make_room(params.bytes_after(self.workers.shared.limit()));
         }
         let films = take(&mut self.spare);
         Accumulator::new(Epoch::new(turn, params, threads), films)

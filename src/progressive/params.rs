@@ -171,23 +171,35 @@ impl Params {
     /// The exponent of the [quantum](Film::quantum) of the sums: by the brightest emission of
     /// materials and sky.
     pub(super) fn quantum(&self) -> i32 {
+        Film::quantum(self.brightest())
+    }
+
+    fn brightest(&self) -> f32 {
         let emissions = self.materials.iter().map(|material| material.emission);
         let all = emissions.chain([self.scene.environment()]).flatten();
-        Film::quantum(all.filter(|x| x.is_finite()).fold(0.0, f32::max))
+        all.filter(|x| x.is_finite()).fold(0.0, f32::max)
     }
 
-    /// Bytes of memory that a picture of these takes: sums of all replicates, a pass's samples, the
-    /// mean and error shown, and when it is written the whole mean and what becomes of it.
+    /// Bytes of memory that a picture of these takes as it begins.
     pub(super) fn bytes(&self) -> u64 {
-        const PIXEL: u64 = (size_of::<[[f64; 3]; REPLICATES]>() + 5 * size_of::<[f32; 3]>()) as u64;
-        u64::from(self.size[0]) * u64::from(self.size[1]) * PIXEL
+        self.bytes_after(1)
     }
 
-    /// Whether there is memory for the picture, where one of `held` pixels has its own already and
-    /// so many bytes are spare.
-    pub(super) fn fit(&self, held: [u32; 2], spare: u64) -> Result<(), ParamsError> {
-        let held = Params { size: held, ..self.clone() }.bytes() + spare;
-        let need = self.bytes().saturating_sub(held);
+    /// Bytes of memory that a picture of these takes after so many passes: sums of all replicates, a
+    /// pass's samples, the mean and error shown, and when it is written the whole mean and what becomes
+    /// of it. Where passes have no end that is known it is what it takes as it begins.
+    pub(super) fn bytes_after(&self, passes: u64) -> u64 {
+        const REST: u64 = 5 * size_of::<[f32; 3]>() as u64;
+        let passes = if passes < Session::MAX_PASSES { passes } else { 1 };
+        let pixel = Film::pixel_bytes(self.brightest(), passes) + REST;
+        u64::from(self.size[0]) * u64::from(self.size[1]) * pixel
+    }
+
+    /// Whether there is memory for so many passes of the picture, where one of `held` pixels has its own
+    /// already and so many bytes are spare.
+    pub(super) fn fit(&self, passes: u64, held: [u32; 2], spare: u64) -> Result<(), ParamsError> {
+        let held = Params { size: held, ..self.clone() }.bytes_after(passes) + spare;
+        let need = self.bytes_after(passes).saturating_sub(held);
         let [w, h] = self.size;
         if need > 0 {
             fits(need, || format!("a picture of {w}x{h} pixels"))?;

@@ -159,7 +159,7 @@ impl Session {
         notify: impl Fn() + Send + Sync + 'static,
     ) -> Result<Session, ParamsError> {
         params.check()?;
-        params.fit([0; 2], 0)?;
+        params.fit(limit, [0; 2], 0)?;
         Session::launch(params, limit, options, notify, None)
     }
 
@@ -175,7 +175,7 @@ impl Session {
         experiment.is_resumable()?;
         let params = experiment.params(scene)?;
         // Its sums are there already.
-        params.fit(params.size, 0)?;
+        params.fit(limit, params.size, 0)?;
         Ok(Session::launch(params, limit, options, notify, Some(Start::of(experiment)))?)
     }
 
@@ -212,7 +212,7 @@ impl Session {
         if wanted.params == params {
             return Ok(self.epoch());
         }
-        params.fit(wanted.params.size, self.kept().bytes)?;
+        params.fit(self.shared.limit(), wanted.params.size, self.kept().bytes)?;
         wanted.params = params;
         Ok(self.shared.next_epoch(wanted))
     }
@@ -230,7 +230,7 @@ impl Session {
     pub fn set_beside(&self, params: Option<Params>) -> Result<u64, ParamsError> {
         if let Some(params) = &params {
             params.check()?;
-            params.fit([0; 2], self.kept().bytes)?;
+            params.fit(self.shared.limit(), [0; 2], self.kept().bytes)?;
         }
         let mut wanted = self.shared.lock();
         if wanted.beside != params {

@@ -239,17 +239,18 @@ fn two_pictures_beside_each_other_keep_step() {
 #[test]
 fn what_cannot_be_kept_is_not_traced_in_the_background_again() {
     let mut b = SceneBuilder::new("so bright that sums are wide");
-    b.environment = [1e12; 3];
+    b.environment = [1e5; 3];
     b.screen = [40, 30];
     let params = Params::new(Arc::new(b.build()));
     let other = Params { model: Model::Phong, ..params.clone() };
-    let shared = Arc::new(Shared::new(params.clone(), 8, options(0)));
+    let shared = Arc::new(Shared::new(params.clone(), 64, options(0)));
     let outlets = [(); 2].map(|()| {
         let (sender, receiver) = bounded(1);
         Mailbox::new(sender, receiver, Box::new(|| ()))
     });
     let mut driver = Driver::new(Workers::new(options(0), shared, outlets).unwrap(), None);
-    driver.at.passes = 4;
+    driver.at.passes = 64;
+    assert!(params.bytes_after(64) > params.bytes() + params.bytes() / 2);
     let turn = Turn { role: Role::Background, epoch: 2, orders: 0 };
     let guess = params.bytes();
     driver.cache.set_limit(guess + guess / 8);
@@ -259,9 +260,9 @@ fn what_cannot_be_kept_is_not_traced_in_the_background_again() {
     assert!(driver.useless == [params.clone()]);
     // Room for one of two: the second takes the first one's.
     driver.useless.clear();
-    driver.cache.set_limit(2 * guess);
+    driver.cache.set_limit(params.bytes_after(64) + guess / 8);
     driver.in_the_background(turn, params.clone());
-    assert!(driver.useless.is_empty() && driver.cache.passes(&params) == 4);
+    assert!(driver.useless.is_empty() && driver.cache.passes(&params) == 64);
     driver.in_the_background(turn, other.clone());
     assert!(driver.useless == [other], "it has put the first one out");
 }
