@@ -1,14 +1,16 @@
-//! Little memory: where the address space is limited, it is not to be set aside in vain.
+//! Memory is not to be set aside in vain: where the address space is limited, and by what stays for days.
 
 /// The C library sets aside 64 MiB of address space for each thread, which under `ulimit -v` are then
-/// missing where memory is wanted, and no estimate holds. It does without if it is told so before the
-/// program begins: so the program begins again, as the same process, where there is such a limit.
+/// missing where memory is wanted, and no estimate holds. What a thread has given back stays with its own
+/// share besides, so that a window left open comes to hold what each of many threads once had. It does
+/// without if it is told so before the program begins: so the program begins again, as the same process,
+/// where there is such a limit, or if it `stays`.
 #[cfg(target_os = "linux")]
-pub(super) fn begin() {
+pub(super) fn begin(stays: bool) {
     use burnish::limits::{ONE_PLACE, address_space};
     use std::os::unix::process::CommandExt;
     let (name, one) = ONE_PLACE;
-    if address_space().is_none() || std::env::var_os(name).is_some() {
+    if !stays && address_space().is_none() || std::env::var_os(name).is_some() {
         return;
     }
     let Ok(program) = std::env::current_exe() else { return };
@@ -21,6 +23,6 @@ pub(super) fn begin() {
     let _ = again.args(arguments).env(name, one).exec();
 }
 
-/// Other systems have no such limit.
+/// Other systems have no such limit, and share memory between threads.
 #[cfg(not(target_os = "linux"))]
-pub(super) fn begin() {}
+pub(super) fn begin(_: bool) {}

@@ -3,7 +3,7 @@
 use super::snapshots::next;
 use super::{Failure, interrupt, print, say, scene, values};
 use burnish::brdf::{Model, Normals, Roughness};
-use burnish::progressive::{Options, Params, Session, State, Strategy, render};
+use burnish::progressive::{Options, Params, Session, Snapshot, State, Strategy, render};
 use burnish::scene::Camera;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -15,7 +15,8 @@ use std::time::{Duration, Instant};
 /// scenes, most of them faster than a pass. Every so often the picture of the last parameters is
 /// compared with the same one rendered afresh, to the bit. Fails if the two differ, if a session
 /// fails or does not answer within a minute, or if more memory is held in the end than a tenth above
-/// what was held after the first 10,000 changes. Ctrl-C ends it early, and the figures are printed.
+/// what was held after the first 10,000 changes, each time by one and the same picture. Ctrl-C ends it
+/// early, and the figures are printed.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   burnish soak --hours 1
@@ -35,11 +36,14 @@ pub(super) struct Args {
     threads: usize,
 }
 
-/// Changes until memory is taken to have settled.
-const SETTLED: u64 = 10_000;
-/// Changes between two comparisons, and between two lines.
+/// Changes between two comparisons, and between two looks at memory, of which the first is taken to be of what
+/// has settled.
 const COMPARED: u64 = 500;
 const TOLD: u64 = 10_000;
+/// No picture is larger than this.
+const LARGEST: [u32; 2] = [200, 150];
+/// Passes of a picture that is compared.
+const PASSES: u64 = 3;
 /// How long a session may take to answer.
 const PATIENCE: Duration = Duration::from_secs(60);
 /// Scenes that it changes between.
@@ -53,6 +57,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let scenes: Vec<Params> = SCENES.iter().map(load).collect::<Result<_, Failure>>()?;
     let mut random = Random(args.seed);
     let mut params = Params { size: [64, 48], ..scenes[0].clone() };
+    // What is held is compared at the largest size there is: more passes of a larger picture hold more.
+    let mut measured = Params { size: LARGEST, ..params.clone() };
     let options = Options::interactive(args.threads);
     let session = Session::with_options(params.clone(), 1 << 32, options, || {});
     let session = session.map_err(Failure::new)?;
@@ -65,18 +71,17 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             compare(&session, &mut params, args.threads)?;
             compared += 1;
         }
-        let held = held().unwrap_or(0);
-        most = most.max(held);
-        if changes == SETTLED {
-            settled = Some(held);
-        }
+        most = most.max(held().unwrap_or(0));
         if changes % TOLD == 0 {
+            let held = held_by(&session, &mut measured)?;
+            settled.get_or_insert(held);
             let minutes = start.elapsed().as_secs_f64() / 60.0;
             say(format_args!("{minutes:.1} min: {changes} changes, {}", mib(held)));
         }
     }
     compare(&session, &mut params, args.threads)?;
-    let (minutes, end) = (start.elapsed().as_secs_f64() / 60.0, held().unwrap_or(0));
+    let end = held_by(&session, &mut measured)?;
+    let minutes = start.elapsed().as_secs_f64() / 60.0;
     print(format_args!(
         "{changes} changes in {minutes:.1} min, {} pictures equal to fresh ones; memory held: {} at \
          most, {} in the end",
@@ -87,15 +92,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     match settled {
         Some(before) if before > 0 => {
             let growth = 100.0 * (end as f64 / before as f64 - 1.0);
-            print(format_args!(
-                "{growth:+.1} % since the first {SETTLED} changes ({})",
-                mib(before)
-            ))?;
+            print(format_args!("{growth:+.1} % since the first {TOLD} changes ({})", mib(before)))?;
             if growth > 10.0 {
                 return Err(Failure::new("more than a tenth more memory is held than at first"));
             }
         }
-        _ => say(format_args!("fewer than {SETTLED} changes: nothing is said of memory")),
+        _ => say(format_args!("fewer than {TOLD} changes: nothing is said of memory")),
     }
     Ok(())
 }
@@ -118,7 +120,7 @@ fn change(
             session.restart();
         }
         5 => params.model = Model::ALL[below(random, Model::ALL.len())],
-        6 => params.size = [1 + random.below(200) as u32, 1 + random.below(150) as u32],
+        6 => params.size = LARGEST.map(|side| 1 + random.below(u64::from(side)) as u32),
         7 => params.seed = random.below(1000),
         8 => params.max_depth = [None, Some(1), Some(4)][below(random, 3)],
         9 => params.strategy = Strategy::ALL[below(random, Strategy::ALL.len())],
@@ -148,21 +150,7 @@ fn change(
 
 /// Whether the session comes to the picture that a fresh one has.
 fn compare(session: &Session, params: &mut Params, threads: usize) -> Result<(), Failure> {
-    const PASSES: u64 = 3;
-    params.seed += 1;
-    session.set_limit(PASSES);
-    session.resume();
-    let epoch = session.set(params.clone()).map_err(Failure::new)?;
-    let start = Instant::now();
-    let last = loop {
-        match next(session, Duration::from_secs(1))? {
-            Some(s) if s.epoch == epoch && s.state == State::Done => break s,
-            _ if start.elapsed() > PATIENCE => {
-                return Err(Failure::new("the session does not answer"));
-            }
-            _ => {}
-        }
-    };
+    let last = finished(session, params)?;
     let fresh = render(params.clone(), PASSES, threads).map_err(Failure::new)?;
     if last.mean() != fresh.mean() || last.counts != fresh.counts {
         return Err(Failure::new(format_args!(
@@ -172,10 +160,35 @@ fn compare(session: &Session, params: &mut Params, threads: usize) -> Result<(),
     Ok(())
 }
 
-/// Bytes of memory that this process holds now. Linux alone tells.
+/// The picture of these parameters with a seed of its own.
+fn finished(session: &Session, params: &mut Params) -> Result<Snapshot, Failure> {
+    params.seed += 1;
+    session.set_limit(PASSES);
+    session.resume();
+    let epoch = session.set(params.clone()).map_err(Failure::new)?;
+    let start = Instant::now();
+    loop {
+        match next(session, Duration::from_secs(1))? {
+            Some(s) if s.epoch == epoch && s.state == State::Done => return Ok(s),
+            _ if start.elapsed() > PATIENCE => {
+                return Err(Failure::new("the session does not answer"));
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Bytes of memory that this process holds with these parameters' picture.
+fn held_by(session: &Session, params: &mut Params) -> Result<u64, Failure> {
+    finished(session, params)?;
+    Ok(held().unwrap_or(0))
+}
+
+/// Bytes of memory that this process has asked for and holds now; pages of the program itself, which the system
+/// reads when they are first run and drops as it likes, are not among them. Linux alone tells.
 fn held() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+    let line = status.lines().find_map(|line| line.strip_prefix("RssAnon:"))?;
     Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
 }
 
