@@ -106,6 +106,20 @@ impl File {
     }
 }
 
+/// Deep ones, in lines and in tiles: alone, and as a part of several.
+pub(crate) fn deep_files() -> Vec<Vec<u8>> {
+    let deep = |kind: &str, chunks: i32| {
+        let mut more = attribute("type", "string", kind.as_bytes());
+        more.extend(attribute("version", "int", &1i32.to_le_bytes()));
+        more.extend(attribute("chunkCount", "int", &chunks.to_le_bytes()));
+        more.extend(attribute("maxSamplesPerPixel", "int", &1i32.to_le_bytes()));
+        File { version: 2 | 0x800, more, ..File::new() }
+    };
+    let mut tiles = deep("deeptile", 1);
+    tiles.more.extend(attribute("tiles", "tiledesc", &[4, 0, 0, 0, 4, 0, 0, 0, 0]));
+    vec![deep("deepscanline", 2).bytes(), tiles.bytes()]
+}
+
 /// Whole and broken ones.
 pub(crate) fn files() -> Vec<Vec<u8>> {
     let whole = File::new();
@@ -207,6 +221,7 @@ pub(crate) fn files() -> Vec<Vec<u8>> {
     add(&|f| f.order = 9);
     let deep = File { more: attribute("type", "string", b"deepscanline"), ..File::new() };
     let far = File { data: [0, 0, 0x0fff_ffff, 15], ..File::new() };
+    all.extend(deep_files());
     all.extend([
         File::parts(std::slice::from_ref(&whole)),
         File::parts(&[whole.clone(), whole.clone()]),

@@ -9,6 +9,7 @@ mod experiment;
 mod exr;
 #[path = "../support/mutate.rs"]
 mod mutate;
+mod written;
 
 use burnish::picture::{Picture, Tone, read_exr_part, read_recipe, write_with_recipe};
 use burnish::progressive::{Params, Recipe, render};
@@ -26,24 +27,30 @@ static MEMORY: PeakAlloc = PeakAlloc;
 /// One kind at a time: memory is counted for the whole process.
 static TURN: Mutex<()> = Mutex::new(());
 
-/// Does this within a second and so many bytes. A machine that is busy with other things may be slow
-/// once, and once more: what hangs is slow each time.
+/// What this thread has had of a processor, where the system tells.
+fn worked() -> Option<Duration> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    text.split(' ').next()?.parse().ok().map(Duration::from_nanos)
+}
+
+/// Does this within a second and so many bytes. On a machine that is busy with other things it is done again and
+/// the thread's own time counts; what hangs is slow each time.
 fn bounded<T>(most: usize, file: &[u8], seed: u64, act: impl Fn() -> T) -> T {
     const SECOND: Duration = Duration::from_secs(1);
     let before = MEMORY.current_usage();
     MEMORY.reset_peak_usage();
-    let timed = || {
-        let start = Instant::now();
-        (act(), start.elapsed())
-    };
-    let mut found = timed();
+    let start = Instant::now();
+    let mut result = act();
+    let mut took = start.elapsed();
     let bytes = MEMORY.peak_usage().saturating_sub(before);
     for _ in 0..4 {
-        if found.1 > SECOND {
-            found = timed();
+        if took > SECOND {
+            let (start, before) = (Instant::now(), worked());
+            result = act();
+            let own = worked().zip(before).map(|(after, before)| after.saturating_sub(before));
+            took = own.unwrap_or(start.elapsed());
         }
     }
-    let (result, took) = found;
     let shown = String::from_utf8_lossy(&file[..file.len().min(4000)]);
     assert!(took <= SECOND, "{took:?} for (seed {seed}) {shown:?}");
     assert!(bytes <= most, "{bytes} bytes of {most} for (seed {seed}) {shown:?}");
@@ -225,8 +232,34 @@ fn exr_pictures() {
     write_with_recipe(&path, &picture, Tone::default(), &recipe()).unwrap();
     files.push(std::fs::read(&path).unwrap());
     files.extend(exr::files());
+    files.extend(written::whole().into_iter().map(|written| written.bytes));
     let most = 3 * burnish::limits::EXR_FREE_BYTES as usize;
     read_pictures("exr", files, most, 6);
+}
+
+/// Scanlines and tiles in every compression, several parts and windows that are off are read; deep ones are
+/// refused as what they are.
+#[test]
+fn pictures_of_other_programs_are_read() {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let folder = folder();
+    let path = folder.path().join("other.exr");
+    for written::Written { bytes, exact, what } in written::whole() {
+        std::fs::write(&path, &bytes).unwrap();
+        let read = read_exr_part(&path, None).unwrap_or_else(|e| panic!("{what}: {e}"));
+        let Picture { width, height, pixels } = read.picture;
+        if exact {
+            assert_eq!([width, height], [7, 5], "{what}");
+            let wanted = (0..35).map(|i| (i % 7 + 8 * (i / 7)) as f32);
+            let wanted: Vec<[f32; 3]> = wanted.map(|red| [red, 0.5 * red, 0.25 * red]).collect();
+            assert_eq!(pixels, wanted, "{what}");
+        }
+    }
+    for bytes in exr::deep_files() {
+        std::fs::write(&path, bytes).unwrap();
+        let told = read_exr_part(&path, None).unwrap_err().to_string();
+        assert!(told.contains("other.exr: ") && told.contains("deep"), "{told}");
+    }
 }
 
 #[test]
