@@ -25,6 +25,13 @@ pub fn start(text: &str) -> String {
     line(&start) + more
 }
 
+/// A number as it is written, or by a power of ten where that would take hundreds of digits.
+pub fn number(x: f64) -> String {
+    const LONGEST: usize = 30;
+    let text = x.to_string();
+    if text.len() > LONGEST { format!("{x:e}") } else { text }
+}
+
 /// As JSON writes it, so that JSON stays what it says.
 fn escaped(text: &str, keep: fn(char) -> bool) -> String {
     let mut safe = String::with_capacity(text.len());
@@ -47,6 +54,21 @@ fn steers(c: char) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        for (x, text) in [
+            (0.0, "0"),
+            (-0.125, "-0.125"),
+            (1e18, "1000000000000000000"),
+            (-1e300, "-1e300"),
+            (3e-300, "3e-300"),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(number(x), text);
+        }
+        assert!(number(-f64::MAX / 3.0).len() < 30 && number(f64::MIN_POSITIVE / 3.0).len() < 30);
+    }
 
     #[test]
     fn what_steers_a_terminal_is_written_out() {

@@ -8,6 +8,7 @@ use super::{Camera, Light, Material, MaterialId, Placement, Scene, SceneCounts, 
 use crate::geometry::{Bvh, Cylinder, Face, Geometry, PrimitiveRange, Sphere, Vertex};
 use crate::limits::{TRIANGLES as MAX_TRIANGLES, TooLarge, fits};
 use crate::math::V3;
+use crate::plain::number;
 use glam::{DAffine3, DVec3};
 use std::ops::Range;
 use thiserror::Error;
@@ -65,7 +66,10 @@ pub enum ShapeError {
     #[error("the axis must have a length above 0 and at most 1e18, not {0}")]
     Axis(f64),
     /// A coordinate that is not finite or too large.
-    #[error("coordinates must be finite and at most 1e18 in size, not {0} {1} {2}")]
+    #[error(
+        "coordinates must be finite and at most 1e18 in size, not {} {} {}",
+        number(*.0), number(*.1), number(*.2)
+    )]
     Coordinate(f64, f64, f64),
     /// A box with two or three sides of length zero.
     #[error("a box needs at least two sides of a length other than 0")]

@@ -1,6 +1,7 @@
 //! The pinhole camera of the `.scn` format.
 
 use super::{Crop, MAX_COORDINATE};
+use crate::plain::number;
 use glam::{DMat3, DQuat, DVec3};
 use thiserror::Error;
 
@@ -31,7 +32,10 @@ pub enum CameraError {
     )]
     FieldOfView(f64),
     /// The eye is not a point within reach.
-    #[error("the eye must be three finite numbers of at most 1e18 in size, not {0} {1} {2}")]
+    #[error(
+        "the eye must be three finite numbers of at most 1e18 in size, not {} {} {}",
+        number(*.0), number(*.1), number(*.2)
+    )]
     Eye(f64, f64, f64),
 }
 

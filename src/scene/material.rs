@@ -1,6 +1,7 @@
 //! What a surface is made of.
 
 use crate::brdf::{Roughness, RoughnessError};
+use crate::plain::number;
 use thiserror::Error;
 
 /// Index of a material in its scene.
@@ -23,11 +24,15 @@ pub struct Material {
     pub emission: [f32; 3],
 }
 
+fn numbers(all: &[f64; 3]) -> String {
+    all.map(number).join(" ")
+}
+
 /// A number that a material cannot have.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum MaterialError {
     /// A reflectance outside 0..=1.
-    #[error("{name} must be three numbers from 0 to 1, not {} {} {}", .value[0], .value[1], .value[2])]
+    #[error("{name} must be three numbers from 0 to 1, not {}", numbers(.value))]
     Reflectance {
         /// "Kd" or "Ks".
         name: &'static str,
@@ -35,7 +40,10 @@ pub enum MaterialError {
         value: [f64; 3],
     },
     /// A negative, infinite or undefined emission.
-    #[error("emitted radiance must be three finite numbers of at least 0 (at most 1e18), not {} {} {}", .0[0], .0[1], .0[2])]
+    #[error(
+        "emitted radiance must be three finite numbers of at least 0 (at most 1e18), not {}",
+        numbers(.0)
+    )]
     Emission([f64; 3]),
     /// The roughness is out of range.
     #[error(transparent)]

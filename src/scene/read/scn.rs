@@ -6,6 +6,7 @@ use super::files::{FileRecorder, Files};
 use super::log::{Errors, Log, ReadError};
 use super::{Format, left_out, model, settle, text, title};
 use crate::limits::SCREEN_SIDE as MAX_SIDE;
+use crate::plain;
 use crate::scene::{
     Camera, MAX_COORDINATE, Material, MaterialError, MaterialId, Mesh, Report, SceneBuilder,
     ShapeError, Source,
@@ -203,7 +204,7 @@ impl<'a> ScnReader<'a> {
     fn screen(&mut self, args: &mut Args) -> Result<(), Problem> {
         let size = args.numbers::<2>()?;
         if size.iter().any(|x| !(1.0..=f64::from(MAX_SIDE)).contains(x) || x.fract() != 0.0) {
-            let [w, h] = size;
+            let [w, h] = size.map(plain::number);
             return Err(Problem::Here(format!(
                 "width and height must be whole numbers from 1 to {MAX_SIDE}, not {w} {h}"
             )));

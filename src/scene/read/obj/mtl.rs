@@ -7,6 +7,7 @@
 
 use super::lines::{Name, STRAY, statements};
 use crate::brdf::Roughness;
+use crate::plain;
 use crate::scene::Material;
 use crate::scene::read::ReadError;
 use crate::scene::read::log::{Doubts, Log};
@@ -165,7 +166,7 @@ impl MtlReader<'_> {
     fn clamped(&mut self, line: usize, name: &str, values: [f64; 3]) -> Option<[f64; 3]> {
         let light = name == "Ke";
         let most = if light { Material::MAX_EMISSION } else { 1.0 };
-        let [r, g, b] = values;
+        let given = || values.map(plain::number).join(" ");
         if values.iter().any(|x| x.is_nan()) || (light && values.contains(&f64::INFINITY)) {
             let instead = match name {
                 "Kd" => "0.5 0.5 0.5 is used",
@@ -173,7 +174,7 @@ impl MtlReader<'_> {
                 _ => "nothing is emitted",
             };
             self.doubts.add(&format!("{name} not finite"), line, || {
-                format!("{name} must be finite, not {r} {g} {b}: {instead}")
+                format!("{name} must be finite, not {}: {instead}", given())
             });
             return None;
         }
@@ -181,7 +182,7 @@ impl MtlReader<'_> {
         if near != values {
             let range = if light { "from 0 to 1e18" } else { "from 0 to 1" };
             self.doubts.add(&format!("{name} clamped"), line, || {
-                format!("{name} must be {range}, not {r} {g} {b}: it is clamped")
+                format!("{name} must be {range}, not {}: it is clamped", given())
             });
         }
         Some(near)
