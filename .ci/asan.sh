@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The engine, its readers and the broken files of tests/fuzz under AddressSanitizer: it finds reads and writes
-# beside what was allocated, and of what is freed, in the lanes' intrinsics, in mapped pages and in the crates
+# beside what was allocated, and of what is freed, in the SIMD intrinsics, in mapped pages and in the crates
 # below.
 #
 #     .ci/asan.sh                        the tests named below
