@@ -52,9 +52,10 @@ pub(super) struct Args {
     /// the others keep their own. Without it all are.
     #[arg(long, value_name = "NAME")]
     material: Option<String>,
-    /// Relative error that each picture is traced to, as a part of one or in percent (0.02, 2%): the upper
-    /// 95 % limit of sqrt(mean((x - r)^2 / (r^2 + 0.01))), r being the truth. It is looked at from 64
-    /// passes on.
+    /// Relative error that each picture has, as a part of one or in percent (0.02, 2%): the upper 95 %
+    /// limit of sqrt(mean((x - r)^2 / (r^2 + 0.01))), r being the truth. It is looked at from 64 passes
+    /// on; a picture that has less then is traced again to as few passes as have the error. Only one that
+    /// has less after its first pass stays better.
     #[arg(long, value_name = "E", default_value = "3%", value_parser = values::error)]
     error: f64,
     /// Most passes of a picture. One that needs more says in its label that it has not the error.

@@ -23,7 +23,7 @@
 //! owning a third of the error), in 97 % and more of others.
 
 use super::Film;
-use super::interval::{Interval, ratio};
+use super::interval::{Interval, normal_quantile, ratio};
 use crate::math::sequence::REPLICATES;
 
 /// Degrees of freedom of a pixel's standard error, away from the edges of tiles: half of what nine
@@ -169,6 +169,30 @@ fn radiance2(mean: &[f64; 3], variance: &[f64; 3], around: &Around) -> [f64; 3] 
     })
 }
 
+impl ErrorEstimate {
+    /// The error of `coarser`, the mean radiance of a picture whose samples are some of those of `finer`,
+    /// of which this is the error; both of as many pixels.
+    ///
+    /// The square of what they are apart is measured, that of the finer one is estimated, and they add up:
+    /// of independent samples s and n of them, `E|x_n - r|² = E|x_n - x_s|² + E|x_s - r|²`. So a picture of
+    /// a few passes has an error that can be relied on, which its own replicates do not yet give. The limits
+    /// are those of the finer picture and of the product of the two differences, whose mean is 0.
+    pub fn of_coarser(&self, coarser: &[[f32; 3]], finer: &[[f32; 3]]) -> ErrorEstimate {
+        let (mut relative, mut absolute) = (0.0, 0.0);
+        for (x, r) in coarser.iter().flatten().zip(finer.iter().flatten()) {
+            let [x, r] = [*x, *r].map(f64::from);
+            let square = (x - r) * (x - r);
+            relative += square / (r * r + REL_MSE_FLOOR);
+            absolute += square;
+        }
+        let values = 3.0 * coarser.len().min(finer.len()).max(1) as f64;
+        let terms = (self.terms / TAILS).max(1.0);
+        let rel_mse = self.rel_mse.beyond(relative / values, terms);
+        let rmse = self.rmse.map(|e| e * e).beyond(absolute / values, terms).map(f64::sqrt);
+        ErrorEstimate { rel_mse, relative: rel_mse.map(f64::sqrt), rmse, ..*self }
+    }
+}
+
 impl ErrorSums {
     fn add_pixel(&mut self, variance: &[f64; 3], radiance2: [f64; 3]) {
         self.pixels += 1;
@@ -228,6 +252,16 @@ impl Sum {
 }
 
 impl Figure {
+    /// The mean square of what is `apart` from something that has this one, both of so many terms.
+    fn beyond(self, apart: f64, terms: f64) -> Figure {
+        let product = 2.0 * (apart * self.value / terms).sqrt();
+        let margin = normal_quantile() * product;
+        let Interval { low, high } = self.interval;
+        let interval =
+            Interval { low: (apart + low - margin).max(0.0), high: apart + high + margin };
+        Figure { value: apart + self.value, interval }
+    }
+
     fn map(self, f: impl Fn(f64) -> f64) -> Figure {
         Figure { value: f(self.value), interval: self.interval.map(f) }
     }
@@ -311,6 +345,27 @@ mod tests {
         let steady = relative(&[9.4, 10.2, 10.6, 9.8]);
         let variance = (0.36 + 0.04 + 0.36 + 0.04) / 12.0;
         assert!((steady / (3.0 * variance / 100.0) - 1.0).abs() < 0.02, "{steady}");
+    }
+
+    #[test]
+    fn what_a_coarser_picture_is_apart_adds_up_with_the_finer_one_s_error() {
+        let finer = film(&[&[1.0, 2.0, 3.0, 6.0], &[0.2, 0.4, 0.4, 0.2]]).estimate(2);
+        let error = finer.sums.estimate(2, 4).unwrap();
+        let same = error.of_coarser(&finer.mean, &finer.mean);
+        assert!((same.rel_mse.value / error.rel_mse.value - 1.0).abs() < 1e-12);
+        let coarser = [[2.5; 3], [0.3, 0.3, 0.6]];
+        let found = error.of_coarser(&coarser, &finer.mean);
+        // 0.25 / 9.01 in three channels, 0.09 / 0.1 in one, over six of them.
+        let apart = (3.0 * 0.25 / 9.01 + 0.09 / 0.1) / 6.0;
+        assert!((found.rel_mse.value - error.rel_mse.value - apart).abs() < 1e-6);
+        let squared = |e: &ErrorEstimate| e.rmse.value.powi(2);
+        assert!((squared(&found) - squared(&error) - (3.0 * 0.25 + 0.09) / 6.0).abs() < 1e-6);
+        let Interval { low, high } = found.rel_mse.interval;
+        assert!(low < found.rel_mse.value && high > apart + error.rel_mse.interval.high);
+        let none = ErrorEstimate { rel_mse: error.rel_mse.map(|_| 0.0), ..error };
+        assert!(
+            (none.of_coarser(&coarser, &finer.mean).rel_mse.interval.high - apart).abs() < 1e-6
+        );
     }
 
     #[test]

@@ -33,6 +33,11 @@ pub fn student(degrees_of_freedom: f64) -> f64 {
         .map_or(f64::INFINITY, |t| t.inverse_cdf(0.5 + 0.5 * CONFIDENCE))
 }
 
+/// Standard deviations that the two-sided interval of a normal number spans to each side.
+pub(super) fn normal_quantile() -> f64 {
+    Normal::standard().inverse_cdf(0.5 + 0.5 * CONFIDENCE)
+}
+
 /// The chance that Student's t of so many degrees of freedom exceeds this; 1/2 for none.
 pub fn tail(t: f64, degrees_of_freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(0.5, |student| student.cdf(-t))

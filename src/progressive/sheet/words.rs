@@ -64,8 +64,8 @@ impl Sheet {
             all => all.join(", "),
         };
         let mut remarks = vec![format!(
-            "Roughness of {whose}. Each picture to a relative error of at most {} (upper 95 % limit), \
-             with the same random numbers.",
+            "Roughness of {whose}. Each picture has the passes that a relative error of {} takes (upper \
+             95 % limit), and the same random numbers.",
             self.wanted()
         )];
         if let Some(erratum) = self.params.erratum {
