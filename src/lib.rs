@@ -41,7 +41,7 @@
 //! | `pdf` | density in 1/sr, unless the name says area |
 //! | `a_p`, `alpha` | Phong exponent and roughness, `alpha = sqrt(2 / (a_p + 2))` |
 //! | pass | one sample in every pixel |
-//! | replicate | one of a few independent randomisations that passes are dealt to in turn |
+//! | replicate | one of a few independent randomisations that passes are assigned to in turn |
 //! | epoch | the time between two changes of parameters |
 //! | erratum | one mistake of the source report, the document that this project began with, made on purpose |
 //!

@@ -72,7 +72,7 @@ impl fmt::Display for Bytes {
 /// What this process may still take, and who says so.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Free {
-    /// So many bytes.
+    /// Number of bytes.
     pub bytes: u64,
     /// Whose limit that is.
     pub by: &'static str,
@@ -90,7 +90,7 @@ pub struct TooLarge {
     pub free: Free,
 }
 
-/// Whether so many bytes more can be had; where the system does not tell, they can.
+/// Whether this number of bytes more can be had; where the system does not tell, they can.
 pub fn fits(need: u64, what: impl FnOnce() -> String) -> Result<(), TooLarge> {
     match free() {
         Some(free) if need > free.bytes => Err(TooLarge { what: what(), need, free }),

@@ -222,6 +222,96 @@ fn a_panel_is_told_from_what_is_none() {
     }
 }
 
+/// What `geometry` has for the rooms above it.
+const GEOMETRY: [&str; 26] = [
+    "Aabb",
+    "Bvh",
+    "Cylinder",
+    "Face",
+    "Geometry",
+    "Hit",
+    "HitSoa",
+    "Kind",
+    "NO_SURFACE",
+    "PacketSlabs",
+    "PointSoa",
+    "PrimitiveRange",
+    "Query",
+    "Ray",
+    "RaySoa",
+    "SegmentSoa",
+    "Sphere",
+    "Stack",
+    "SurfacePoint",
+    "Vertex",
+    "bent",
+    "flat_surface",
+    "intersect_spheres",
+    "offset_origin",
+    "shading_normal",
+    "surface_left",
+];
+/// What they can ask of its `Bvh`, besides building and describing it: the first five are the door by
+/// which rays go in, the next two the same for many single rays.
+const BVH: [&str; 16] = [
+    "closest",
+    "occluded",
+    "closest_packet",
+    "occluded_packet",
+    "visible",
+    "closest_each",
+    "occluded_each",
+    "build",
+    "bytes",
+    "coincident",
+    "depth",
+    "isa",
+    "set_isa",
+    "settle_coincident",
+    "stack",
+    "surface_id",
+];
+
+/// Nobody outside knows that large quads, analytic shapes and the tree are separate things.
+#[test]
+fn geometry_has_one_door() {
+    let sources = code();
+    let mut uses = 0;
+    for (file, lines) in sources.iter().filter(|(file, _)| !file.starts_with("src/geometry/")) {
+        let text = lines.join(" ");
+        for rest in text.split("geometry::").skip(1) {
+            let list = rest.strip_prefix('{').and_then(|list| list.split('}').next());
+            let one = || rest.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap();
+            for name in list.unwrap_or_else(one).split(',') {
+                let name = name.trim().split(" as ").next().unwrap();
+                uses += 1;
+                let known = name.is_empty() || GEOMETRY.contains(&name);
+                assert!(known, "{file}: geometry has no {name} for others");
+            }
+        }
+    }
+    assert!(uses > 60, "only {uses} uses found: has the way of naming changed?");
+    let mut found = Vec::new();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for (file, _) in sources.iter().filter(|(f, _)| f.starts_with("src/geometry/accel/")) {
+        let mut of_bvh = false;
+        // With their indentation: functions have blocks of their own.
+        for line in fs::read_to_string(root.join(file)).unwrap().lines() {
+            if line.starts_with("impl") {
+                of_bvh = line.starts_with("impl Bvh ");
+            }
+            let open = ["    pub fn ", "    pub(crate) fn "];
+            let name = open.iter().find_map(|f| line.strip_prefix(f)).filter(|_| of_bvh);
+            if let Some(name) = name {
+                let name = name.split(['(', '<']).next().unwrap().to_owned();
+                assert!(BVH.contains(&name.as_str()), "{file}: {name} is open to other rooms");
+                found.push(name);
+            }
+        }
+    }
+    assert!(BVH.iter().all(|name| found.iter().any(|f| f == name)), "{found:?}");
+}
+
 /// The map for contributors.
 const MAP: &str = include_str!("../src/ARCHITECTURE.md");
 const README: &str = include_str!("../README.md");

@@ -192,7 +192,7 @@ fn instruction_sets_agree() {
     }
 }
 
-/// The pilot decides by the parameters alone, and a group that was asked for is taken.
+/// The size of groups is selected by the parameters alone, and a group that was asked for is taken.
 #[test]
 fn the_size_of_group_is_part_of_the_picture() {
     let scene = Example::named("cornell").unwrap().read().unwrap().0.build();

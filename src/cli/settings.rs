@@ -53,8 +53,8 @@ pub(super) struct Common {
     /// Most scattering events between camera and light. Without it paths end by Russian roulette.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     max_depth: Option<u32>,
-    /// How light is found: by asking lights, by meeting them with directions drawn from the BRDF, or
-    /// by both, weighed against each other. All have the same mean.
+    /// How light is found: by sampling lights, by sampling the BRDF, or by both, weighed against each
+    /// other (multiple importance sampling). All have the same mean.
     #[arg(long, default_value = "mis", value_parser = values::strategy())]
     strategy: Strategy,
     /// Which microfacet normals Beckmann and GGX draw: those that the viewer sees, or all that there
@@ -73,7 +73,8 @@ pub(super) struct Common {
     /// second, which leaves a tenth of the variance in most scenes and is exactly unbiased.
     #[arg(long)]
     no_reuse: bool,
-    /// So many neighbours share, instead of as many as a pilot finds best for the scene.
+    /// Number of neighbours that reuse each other's paths, instead of the one that trials find best for
+    /// the scene.
     #[arg(long, value_name = "N", value_parser = values::group(), conflicts_with = "no_reuse")]
     group: Option<ReuseGroup>,
     /// The same number of samples for every pixel. Otherwise, from pass 16 on, a pass is one sample a

@@ -38,12 +38,12 @@ pub(super) fn normal_quantile() -> f64 {
     Normal::standard().inverse_cdf(0.5 + 0.5 * CONFIDENCE)
 }
 
-/// The chance that Student's t of so many degrees of freedom exceeds this; 1/2 for none.
+/// The chance that Student's t with this number of degrees of freedom exceeds `t`; 1/2 for none.
 pub fn tail(t: f64, degrees_of_freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(0.5, |student| student.cdf(-t))
 }
 
-/// The standard normal number that is as rare as Student's `t` with so many degrees of freedom.
+/// The standard normal number that is as rare as Student's `t` with this number of degrees of freedom.
 pub fn normal_score(t: f64, degrees_of_freedom: f64) -> f64 {
     let Ok(student) = StudentsT::new(0.0, 1.0, degrees_of_freedom) else { return 0.0 };
     let tail = student.cdf(-t.abs()).max(f64::MIN_POSITIVE);

@@ -1,7 +1,7 @@
 //! Sums of samples, exact and apart for each replicate, so that a picture knows its error.
 //!
 //! Samples of one low-discrepancy sequence are not independent: their spread overstates the error
-//! of their mean. The passes are therefore dealt in turn to a few independently randomised
+//! of their mean. The passes are therefore assigned in turn to a few independently randomised
 //! replicates ([`REPLICATES`]), and the spread of the replicates' means is the error.
 //!
 //! Not all pixels need as many samples. The unit in which they may differ is a [cell](CELL), and
@@ -50,7 +50,7 @@ pub struct Film {
 /// The samples that there were when numbers were last chosen.
 #[derive(Clone, Debug, PartialEq)]
 struct Planned {
-    /// After so many passes.
+    /// Number of passes after which.
     from: u64,
     /// Of the first of each half of the replicates, by cell.
     before: Vec<[u64; 2]>,
@@ -241,7 +241,7 @@ impl Film {
         &self.spreads[cell]
     }
 
-    /// Notes, when numbers of samples are chosen after so many passes, how many there are.
+    /// Notes, when numbers of samples are chosen after `pass` passes, how many there are.
     pub fn begin_plan(&mut self, passes: u64) {
         let before = self.counts.iter().map(|counts| [counts[0], counts[2]]).collect();
         self.plan = Some(Planned { from: passes, before });
@@ -260,7 +260,7 @@ impl Film {
 
     /// What all samples so far say: mean and variance of the mean of every pixel and channel.
     ///
-    /// While all samples are of passes dealt to the replicates in turn, n_r in replicate r, N in all, and replicate means m_r: the mean is `sum n_r m_r / N` and its variance is
+    /// While all samples are of passes assigned to the replicates in turn, n_r in replicate r, N in all, and replicate means m_r: the mean is `sum n_r m_r / N` and its variance is
     /// estimated by `sum (n_r / N)² (m_r - mean)² * R / (R - 1)`, which is exact where all n_r are
     /// equal. Afterwards both are the same with 1 / R in place of n_r / N, and the variance is exact
     /// again, whatever the replicates' own variances are. Before every replicate has a pass there are

@@ -21,11 +21,11 @@ use crate::math::sobol::REPLICATES;
 /// Of each replicate and channel.
 pub(super) type Exact = [[i128; 3]; REPLICATES];
 
-/// The quantum is so many powers of two below the brightest emission,
+/// Powers of two by which the quantum is below the brightest emission,
 pub(super) const BITS: i32 = 48;
 /// but at most two to this power,
 const MOST: i32 = -44;
-/// and so many powers of two below the brightest emission at most.
+/// and powers of two by which it is below the brightest emission at most.
 const MOST_BITS: i32 = 92;
 /// Multiples below this are rounded by adding [`MAGIC`], whose last place is 1.
 const QUICK: f64 = (1u64 << 51) as f64;

@@ -6,7 +6,7 @@ use crate::math::V3;
 use crate::math::simd::SimdWide;
 use std::array::from_fn;
 
-/// Boxes are taken to be larger by so many unit roundoffs of 1 + the ray's largest coordinate: three
+/// Boxes are taken to be larger by this multiple of 1 + the ray's largest coordinate: three
 /// times what those of the test add up to, for points of the scene, whose coordinates are within 1.
 const MARGIN: f32 = 32.0 * UNIT_ROUNDOFF;
 

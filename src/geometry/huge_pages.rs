@@ -22,7 +22,7 @@ pub(super) enum HugePages<T> {
 }
 
 impl<T: Pod> HugePages<T> {
-    /// So many records, all of zeros.
+    /// `len` records, all of zeros.
     pub(super) fn zeroed(len: usize) -> HugePages<T> {
         let bytes = len.saturating_mul(size_of::<T>());
         let map = if bytes < LEAST { None } else { MmapMut::map_anon(bytes).ok() };

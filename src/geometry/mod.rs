@@ -18,13 +18,13 @@ mod triangle;
 
 pub(crate) use aabb::{Aabb, PacketSlabs};
 pub use accel::{Bvh, Query, Ray, Stack};
-pub(crate) use accel::{MAX_QUADS, NO_QUAD, QuadHits, Rays, Shaft, ShaftLeaves};
+pub(crate) use accel::{HitSoa, NO_SURFACE, PointSoa, RaySoa, SegmentSoa, surface_left};
 pub use cylinder::Cylinder;
 pub use ray_origin::offset_origin;
 pub(crate) use shading::bent;
 pub use sphere::Sphere;
 pub(crate) use sphere::intersect as intersect_spheres;
-pub(crate) use triangle::{flat_surface, resolve, shading_normal};
+pub(crate) use triangle::{flat_surface, shading_normal};
 
 use crate::math::V3;
 use bytemuck::{Pod, Zeroable};

@@ -6,13 +6,13 @@
 //! A path draws *pairs*, one a [`Slot`]. Over the passes of one pixel each slot is the Sobol (0,2)
 //! sequence, its index shuffled and both coordinates scrambled by hashes of their own, so that
 //! slots are independent of each other and any 2^k passes are stratified (Burley, "Practical
-//! hash-based Owen scrambling", JCGT 9:4, 2020). Passes are grouped to [`REPLICATES`] independent
+//! hash-based Owen scrambling", JCGT 9:4, 2020). Passes are assigned to [`REPLICATES`] independent
 //! randomisations in turn, whose spread tells the error. After 65,536 passes of a replicate a new
 //! randomisation begins, so indices need 16 bits only.
 
 use super::simd::{Bits, Simd};
 
-/// Independent randomisations that the passes are grouped to in turn.
+/// Independent randomisations that the passes are assigned to in turn.
 pub const REPLICATES: usize = 4;
 
 /// Which decision of a path a pair of numbers is for.

@@ -10,7 +10,7 @@ use crate::math::sobol::REPLICATES;
 use crate::progressive::{Options, Params, ParamsError, Session, Snapshot, State, StopRule};
 use crate::trace::Tracer;
 
-/// How the error bar did after so many passes, over all renders of a scene.
+/// How the error bar did after a number of passes, over all renders of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
     /// Passes of each render.
@@ -82,7 +82,7 @@ pub struct Renders {
 }
 
 impl Renders {
-    /// Renders with each of so many seeds on `threads` threads (0 for one a core) and keeps the
+    /// Renders with each of a number of seeds on `threads` threads (0 for one a core) and keeps the
     /// pictures after each of `passes`, which ascend. `each` is told how many are done.
     pub fn new(
         params: &Params,
@@ -226,7 +226,7 @@ impl Renders {
         Ok(Stopped { wanted, kept: kept / n, passes: passes / n })
     }
 
-    /// What knowing the error costs: the true squared relative error of so many passes grouped to
+    /// What knowing the error costs: the true squared relative error of the passes assigned to
     /// [`REPLICATES`] randomisations over that of as many passes of a single one. Above 1, as a
     /// longer low-discrepancy sequence is more even than its parts apart.
     pub fn cost_of_replicates(&self, passes: u64, seeds: u64) -> f64 {

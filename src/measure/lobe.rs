@@ -106,7 +106,7 @@ pub struct LobeCurves {
     pub albedo: [f64; Model::ALL.len()],
 }
 
-/// The curves at so many equally spaced angles, at least 2, and more where the lobe is sharp. Takes
+/// The curves at this number of equally spaced angles, at least 2, and more where the lobe is sharp. Takes
 /// about a millisecond.
 pub fn lobe_curves(quantity: Quantity, channel: Channel, theta_o: f64, n: usize) -> LobeCurves {
     let theta_o = theta_o.clamp(0.0, LobeCurves::LIMIT);
@@ -165,7 +165,7 @@ fn towards(angle: f64) -> V3 {
     V3::new(sin as f32, 0.0, cos as f32)
 }
 
-/// Equally spaced ones, and those at which slopes of so many alphas are met.
+/// Equally spaced ones, and those at which the slope is a certain multiple of alpha.
 fn angles(quantity: Quantity, alpha: f64, theta_o: f64, n: usize) -> Vec<f64> {
     const SIDE: i32 = 64;
     const FARTHEST: f64 = 6.0;
@@ -245,7 +245,7 @@ pub struct LobeAxis {
 }
 
 impl LobeAxis {
-    /// At most so many decades are shown.
+    /// Most decades that are shown.
     const DECADES: f64 = 6.0;
 
     /// Where a value is from the low end, 0, to the high one, 1; values beyond are at the ends.

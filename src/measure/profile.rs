@@ -33,7 +33,7 @@ pub struct StageCost {
 }
 
 impl Profile {
-    /// Of so many passes with these parameters; `None` where the engine does not trace them.
+    /// Of `passes` passes with these parameters; `None` where the engine does not trace them.
     pub fn new(params: &Params, passes: u64) -> Option<Profile> {
         let tracer = params.tracer();
         let group = params.decide_group().ok()?;

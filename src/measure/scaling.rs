@@ -188,10 +188,10 @@ impl<'a> Job<'a> {
         self.size.map(f64::from).iter().product()
     }
 
-    /// For each path of so many passes.
+    /// For each path of the passes.
     fn nanoseconds(&self, plan: &Scaling, passes: u64, repeat: u32) -> Result<f64, ParamsError> {
         let seed = plan.seed.wrapping_add(repeat.into());
-        // What a path costs by itself; sharing adds what its pilot decides.
+        // What a path costs by itself; sharing adds what the selection of its group decides.
         let group = Some(ReuseGroup::None);
         let params = Params { size: self.size, seed, group, ..Params::new(self.scene.clone()) };
         let snapshot = render(params, passes, self.threads.unwrap_or(plan.threads))?;
@@ -205,7 +205,7 @@ fn decades(first: u32, last: u32) -> Vec<u32> {
     std::iter::successors(Some(first), times_ten).take_while(|&n| n <= last.max(first)).collect()
 }
 
-/// A ball of about so many triangles in a room with so many emitters.
+/// A ball of about `triangles` triangles in a room with `emitters` emitters.
 fn build(triangles: u32, emitters: u32) -> Result<(Arc<Scene>, SceneCost), ScalingError> {
     let builder = room(triangles, emitters)?;
     let start = Instant::now();

@@ -179,7 +179,7 @@ fn choose(headers: &[Header], wanted: Option<&str>) -> Result<(Choice, usize), S
     }
 }
 
-/// Reads the picture that is wanted from an open file of so many bytes.
+/// Reads the picture that is wanted from an open file of `length` bytes.
 pub(super) fn read(
     file: BufReader<File>,
     length: u64,

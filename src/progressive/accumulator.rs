@@ -99,7 +99,7 @@ impl AccumulatorCache {
         known || self.size()[1] + params.bytes() <= self.limit
     }
 
-    /// Gives back memory until so many bytes more can be had from the system.
+    /// Gives back memory until `bytes` more can be had from the system.
     pub(super) fn make_room(&mut self, bytes: u64) {
         while !self.kept.is_empty() && limits::fits(bytes, String::new).is_err() {
             self.evict_one();

@@ -3,7 +3,7 @@
 //! A few batches of the picture are traced a few times with every size of group. What counts is the
 //! product of the work a sample takes and the variance it leaves, batch by batch where the picture's
 //! samples are to be [planned](super::plan). Work is counted, not timed, so
-//! that equal parameters decide alike on any machine and in any haste. The samples are thrown away:
+//! that equal parameters decide alike on any machine, however busy it is. The samples are thrown away:
 //! the decision depends on them, so the picture must not.
 
 use super::Params;
@@ -32,7 +32,7 @@ enum Trial {
     Apart,
     /// Of paths that share, what is not shared.
     Own,
-    /// What is shared, among so many.
+    /// What is shared, in groups of this size.
     Shared(ReuseGroup),
 }
 
@@ -56,7 +56,7 @@ pub(super) fn tasks() -> Vec<TrialTask> {
     (0..BATCHES).flat_map(|which| trials().map(move |trial| TrialTask { which, trial })).collect()
 }
 
-/// How many paths share with these parameters, where no selection of the group is asked.
+/// How many paths share with these parameters, where the group need not be selected by trials.
 pub(super) fn without(params: &Params, tracer: &Tracer) -> Option<ReuseGroup> {
     if tracer.shares() { params.group } else { Some(ReuseGroup::None) }
 }
@@ -109,7 +109,7 @@ impl TrialTask {
     }
 }
 
-/// The size of group whose work times variance is least, in a scene of so many primitives.
+/// The size of group whose work times variance is least, in a scene of `primitives` primitives.
 pub(super) fn choose(mut found: Vec<TrialResult>, primitives: usize, uniform: bool) -> ReuseGroup {
     // In an order that does not depend on who was first.
     found.sort_by_key(|f| (f.task.which, f.task.trial));

@@ -90,7 +90,7 @@ impl Epoch {
         self.own = Vec::new();
     }
 
-    /// Makes it ready for a turn by so many workers; all of it is new to whoever looks.
+    /// Makes it ready for a turn by `workers` workers; all of it is new to whoever looks.
     pub(super) fn wake(&mut self, turn: Turn, threads: usize) {
         self.turn = turn;
         let own = || Own { scratch: self.tracer.scratch(), batch: PixelBatch::default() };

@@ -38,7 +38,7 @@ impl FirstHitCache {
         }
     }
 
-    /// What is kept of the first pass over blocks of so many pixels a side, grouped like this: one a
+    /// What is kept of the first pass over blocks of `block` pixels a side, grouped like this: one a
     /// batch, or nothing where it would be too much.
     pub(super) fn pass(
         &mut self,

@@ -45,7 +45,7 @@ pub struct Params {
     /// pass is one sample a pixel on the mean only, and more where the picture is noisier.
     pub uniform: bool,
     /// The number of the first pass: 0 but where a picture is rendered in parts, each of which has some of
-    /// the passes. A multiple of 4, so that every part is grouped to the replicates in the same turn, of at
+    /// the passes. A multiple of 4, so that every part is assigned to the replicates in the same turn, of at
     /// most [`Session::MAX_PASSES`]; only where passes are uniform can it be another than 0.
     pub first_pass: u64,
 }

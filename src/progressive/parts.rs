@@ -3,8 +3,8 @@
 use crate::math::sobol::REPLICATES;
 use std::ops::Range;
 
-/// The passes of part `number`, from 1, of `of` parts of a picture of so many passes: all of them one
-/// after the other, each beginning with a multiple of 4, so that every part is grouped to the
+/// The passes of part `number`, from 1, of `of` parts of a picture of `passes` passes: all of them one
+/// after the other, each beginning with a multiple of 4, so that every part is assigned to the
 /// replicates alike and knows its own error. Parts differ by 4 passes at most, but for what is left
 /// of a number of passes that is not a multiple of 4, which the last one has. `None` where a part
 /// would have no passes, or there is no such part.

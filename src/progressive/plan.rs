@@ -164,7 +164,7 @@ impl Plan {
         self.passes.clone()
     }
 
-    /// Samples that each replicate of either half has in a cell of a tile after so many passes.
+    /// Samples that each replicate of either half has in a cell of a tile after `passes` passes.
     pub(super) fn done(&self, tile: usize, cell: usize, passes: u64) -> [u64; 2] {
         let first = passes - (passes - self.passes.start) % 4;
         let pairs = |pass: u64| self.pairs(tile, cell, pass).1;
@@ -204,7 +204,7 @@ fn rates(cells: &[(f64, f64, f64)], pass: f64, end: f64) -> Vec<f64> {
     if !(mean_deviation > 1e-12 * largest && largest < f64::INFINITY) {
         return vec![1.0; cells.len()];
     }
-    // The mean grows with the scale; by halving, so many times in any case.
+    // The mean grows with the scale; by halving, a fixed number of times.
     let (mut low, mut high) = (0.0, 1e3 / mean_deviation);
     for _ in 0..100 {
         let middle = 0.5 * (low + high);

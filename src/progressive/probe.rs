@@ -92,7 +92,7 @@ impl PixelReport {
     }
 }
 
-/// Takes the pixel in column `x`, row `y` from the top apart by so many samples, rounded up to a
+/// Takes the pixel in column `x`, row `y` from the top apart by `samples` samples, rounded up to a
 /// multiple of [`PixelReport::RANDOMISATIONS`] and at most 2^20. The same arguments give the same
 /// bits. `None` for a pixel outside the picture.
 pub fn probe(params: &Params, [x, y]: [u32; 2], samples: u64) -> Option<PixelReport> {
@@ -146,7 +146,7 @@ impl ProbeSum {
         self.any |= !found.is_black();
     }
 
-    /// Means of so many samples a randomisation.
+    /// Means of `each` samples a randomisation.
     fn part(&self, each: u64) -> ProbeEstimate {
         let of = |weights: [f64; 3]| {
             figure(self.runs.map(|rgb| {
@@ -254,7 +254,7 @@ impl LogHistogram {
     /// Decades at most; what is below the highest of them counts in the lowest step.
     const MOST: i32 = 12;
 
-    /// Of these, by so many steps a decade.
+    /// Of these values, by a number of steps a decade.
     pub fn new(values: &[f32], steps: usize) -> LogHistogram {
         let logs = || values.iter().filter(|v| v.is_finite() && **v > 0.0).map(|v| v.log10());
         let found = logs().count() as u64;

@@ -252,7 +252,7 @@ impl Session {
         }
     }
 
-    /// Keeps at most so many bytes of pictures of other parameters from now on.
+    /// Keeps at most this number of bytes of pictures of other parameters from now on.
     pub fn set_keep(&self, bytes: u64) {
         self.shared.apply(|shared| shared.keep.store(bytes, Ordering::Release));
     }
@@ -484,7 +484,7 @@ impl Shared {
     }
 }
 
-/// Passes at which a picture leaves the workers to another that has so many: the two are to look as
+/// Passes at which a picture leaves the workers to another that has as many: the two are to look as
 /// if they were traced at once.
 fn yield_at(passes: u64) -> u64 {
     passes + (passes / 16).clamp(1, 16)

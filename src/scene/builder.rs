@@ -149,7 +149,7 @@ pub struct SceneBuilder {
     duplicates: usize,
     /// Nothing was added since doubles were looked for.
     settled: bool,
-    /// There is memory for so many triangles.
+    /// There is memory for this number of triangles.
     roomy: usize,
 }
 
@@ -384,7 +384,7 @@ impl SceneBuilder {
         Ok(counts)
     }
 
-    /// Whether there is memory for a scene of what is there and so many times a mesh.
+    /// Whether there is memory for a scene of what is there and `times` a mesh.
     pub(super) fn has_room(&self, times: u64, mesh: &Mesh) -> Result<(), TooLarge> {
         let new = |n: usize, each: u64| times.saturating_mul(n as u64).saturating_mul(each);
         let held = PLACED_TRIANGLE + BUILT_TRIANGLE;

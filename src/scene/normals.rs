@@ -25,7 +25,7 @@ const LEAST_COSINE: f64 = std::f64::consts::FRAC_1_SQRT_2 + 1e-4;
 /// Normals that differ by less than the root of this are those of one plane.
 const PLANAR: f64 = 1e-10;
 
-/// So many faces on an edge are paired with each other.
+/// Most faces on an edge that are paired with each other.
 const MOST_FACES: usize = 8;
 
 /// Vertices that are looked at together.

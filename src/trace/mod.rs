@@ -101,7 +101,7 @@ fn power_heuristic<L: Simd>(a: L, b: L) -> L {
 ///
 /// The engine has one method: light is found in both ways, normals are visible, nothing is wrong.
 /// Everything else is for comparison and runs through the reference tracer, one path at a time, so
-/// that the engine need not ask at every step.
+/// so that the wavefront tracer has no such branches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Method {
     /// How light is found.
@@ -238,7 +238,7 @@ pub struct RayCounts {
 }
 
 impl RayCounts {
-    /// What it costs, in about nanoseconds of one thread, in a scene of so many primitives: figures
+    /// What it costs, in about nanoseconds of one thread, in a scene of `primitives` primitives: figures
     /// measured once, by `burnish report profile`, of which only the ratios matter.
     pub fn work(&self, primitives: usize) -> f64 {
         let tree = 5.6 * (primitives.max(1) as f64).powf(0.25);

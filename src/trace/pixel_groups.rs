@@ -74,7 +74,7 @@ impl ReuseGroup {
     }
 }
 
-/// One pass's deal.
+/// The grouping of the pixels of one pass.
 #[derive(Clone, Copy, Debug)]
 pub struct PixelGrouping {
     size: [u32; 2],
@@ -181,7 +181,7 @@ pub enum Contribution {
 }
 
 impl PixelGrouping {
-    /// The deal of a pass (from 0) of a picture of this size.
+    /// The grouping in a pass (from 0) of a picture of this size.
     pub fn new(size: [u32; 2], seed: u64, pass: u64, group: ReuseGroup) -> PixelGrouping {
         let hash = |salt: u32, x: u32| mix(U32(salt ^ x)).0;
         let words = [seed as u32, (seed >> 32) as u32, pass as u32, (pass >> 32) as u32];

@@ -1,11 +1,12 @@
 //! The tree: a binary one, [clustered](super::clustering) and put in order by obvhs, then
 //! [collapsed](super::collapse) to eight children a node.
 
+use super::NO_SURFACE;
 use super::analytic::AnalyticShapes;
 use super::clustering::{improve, pair_up};
 use super::collapse::BinaryTree;
 use super::node::Node;
-use super::quads::{NO_QUAD, Quads};
+use super::quads::Quads;
 use super::top_boxes::TopBoxes;
 use super::treelet;
 use crate::geometry::aabb::Aabb;
@@ -27,18 +28,18 @@ pub struct Bvh {
     pub(in crate::geometry) packs: HugePages<TrianglePack8>,
     pub(in crate::geometry) root: Option<u32>,
     /// Around all that is in the tree; of no meaning where there is nothing.
-    pub(in crate::geometry) aabb: Aabb,
+    pub(super) aabb: Aabb,
     /// Around parts of it.
     pub(super) top_boxes: TopBoxes,
     /// What is not in the tree: large faces, with their triangles for the exact test, and a few
     /// spheres and cylinders.
-    pub(in crate::geometry) quads: Quads,
-    pub(in crate::geometry) large: Vec<TrianglePack8>,
-    pub(in crate::geometry) analytic: AnalyticShapes,
+    pub(super) quads: Quads,
+    pub(super) large: Vec<TrianglePack8>,
+    pub(super) analytic: AnalyticShapes,
     /// What lies in front where surfaces coincide.
-    pub(in crate::geometry) coincident: Coincident,
-    pub(in crate::geometry) isa: Isa,
-    pub(in crate::geometry) depth: usize,
+    pub(super) coincident: Coincident,
+    pub(super) isa: Isa,
+    pub(super) depth: usize,
 }
 
 impl Bvh {
@@ -89,16 +90,21 @@ impl Bvh {
         geometry.least_error = self.coincident.least_error(geometry);
     }
 
+    /// The primitives that are not in the tree.
+    pub(in crate::geometry) fn outside_tree(&self) -> impl Iterator<Item = u32> {
+        self.quads.triangles().chain(self.analytic.primitives())
+    }
+
     /// Surfaces that coincide.
     pub(crate) fn coincident(&self) -> &Coincident {
         &self.coincident
     }
 
-    /// The number by which rays name the surface that they leave from: of the large quad or of the analytic shape
-    /// that a primitive is, if it is not in the tree; else [`NO_QUAD`].
-    pub(crate) fn number_of(&self, primitive: u32) -> u32 {
+    /// The number by which rays name the surface that they leave or go to, if a quick test needs it to
+    /// leave that out; else [`NO_SURFACE`].
+    pub(crate) fn surface_id(&self, primitive: u32) -> u32 {
         let quad = self.quads.quad_of(primitive);
-        quad.or_else(|| self.analytic.number_of(primitive)).unwrap_or(NO_QUAD)
+        quad.or_else(|| self.analytic.number_of(primitive)).unwrap_or(NO_SURFACE)
     }
 
     /// The instruction set that rays are traced with.

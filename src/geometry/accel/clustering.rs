@@ -19,9 +19,9 @@ use rayon::prelude::*;
 const QUICK_ROUNDS: usize = 3;
 /// How far along the curve partners are looked for from then on.
 const REACH: usize = 14;
-/// A round that pairs fewer than one in so many is followed by one that pairs all.
+/// A round that pairs fewer than one in `FEW` is followed by one that pairs all.
 const FEW: usize = 32;
-/// So many are looked at by one thread.
+/// Number of boxes that one thread compares.
 const SHARE: usize = 2048;
 
 /// A tree with one box a leaf; there must be one at least. Each round but every other leaves at most
@@ -143,7 +143,7 @@ mod tests {
     use super::*;
     use glam::Vec3A;
 
-    /// Boxes of so many kinds by which the builder of obvhs makes one pair a round.
+    /// Kinds of boxes by which the builder of obvhs makes one pair a round.
     fn kinds(count: usize) -> Vec<(&'static str, Vec<Aabb>)> {
         let cube = |centre: f32, half: f32| {
             Aabb::new(Vec3A::splat(centre - half), Vec3A::splat(centre + half))

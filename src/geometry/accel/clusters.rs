@@ -5,8 +5,7 @@ use crate::math::V3;
 
 /// What looking at a box costs, in units of a shape.
 const BOX_COST: f64 = 0.5;
-/// So many rays that have nothing to do with each other are as good as a register of those that do
-/// have: any of them in the box, and its shapes are looked at.
+/// Number of unrelated rays that a register of related ones is equal to: any of them in the box, and its shapes are looked at.
 const TOGETHER: i32 = 8;
 
 /// A box and the shapes in it, by number.

@@ -149,7 +149,7 @@ impl BinaryTree {
         costs
     }
 
-    /// Up to so many subtrees of a pair of siblings, at least the two.
+    /// Up to `most` subtrees of a pair of siblings, at least the two.
     fn cut(&self, costs: &[[f32; 8]], [a, b]: [u32; 2], most: usize, cut: &mut Vec<u32>) {
         let (_, of_a) = cheapest(&costs[a as usize], &costs[b as usize], most);
         for (node, parts) in [(a, of_a), (b, most - of_a)] {
@@ -164,7 +164,7 @@ impl BinaryTree {
     }
 }
 
-/// The least cost of so many parts of a pair in all, and how many of them are the first one's.
+/// The least cost of `parts` parts of a pair in all, and how many of them are the first one's.
 fn cheapest(a: &[f32; 8], b: &[f32; 8], parts: usize) -> (f32, usize) {
     let mut best = (f32::INFINITY, 1);
     for of_a in 1..parts {

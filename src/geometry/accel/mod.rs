@@ -9,6 +9,7 @@ mod clustering;
 mod clusters;
 mod collapse;
 mod node;
+mod packet;
 mod quads;
 mod ray_stream;
 mod shaft;
@@ -16,11 +17,26 @@ mod single_ray;
 mod slabs;
 mod top_boxes;
 mod treelet;
+mod visible;
 
 pub use build::Bvh;
 pub(super) use build::primitive_bounds;
 pub(super) use node::{Child, Node, child};
-pub(crate) use quads::{MAX_QUADS, NO_QUAD, QuadHits};
+pub(crate) use packet::{HitSoa, RaySoa, SegmentSoa};
 pub use ray_stream::Query;
-pub(crate) use shaft::{Rays, Shaft, ShaftLeaves};
 pub use single_ray::{Ray, Stack};
+pub(crate) use visible::PointSoa;
+
+use crate::math::simd::{Bits, SimdWide};
+use quads::MAX_QUADS;
+
+/// No surface that rays have to name: it is in the tree.
+pub(crate) const NO_SURFACE: u32 = quads::NO_QUAD;
+
+/// The surfaces that rays name as the ones they leave, from those that they are on: a solid is one
+/// for rays that leave it outwards alone.
+#[inline(always)]
+pub(crate) fn surface_left<P: SimdWide>(surface: P::Bits, from_outside: P::Mask) -> P::Bits {
+    let known = from_outside | P::less_bits(surface, P::Bits::splat(MAX_QUADS as u32));
+    P::select_bits(known, surface, P::Bits::splat(NO_SURFACE))
+}

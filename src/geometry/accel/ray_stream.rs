@@ -205,7 +205,7 @@ impl Bvh {
     /// [`Bvh::closest_each`] among what the tree holds, for callers that run under an instruction
     /// set already.
     #[inline(always)]
-    pub(crate) fn closest_each_in_tree<W: Simd8>(
+    pub(super) fn closest_each_in_tree<W: Simd8>(
         &self,
         geometry: &Geometry,
         queries: &[Query],
@@ -219,7 +219,7 @@ impl Bvh {
     /// [`Bvh::occluded_each`] by what the tree holds, for callers that run under an instruction set
     /// already.
     #[inline(always)]
-    pub(crate) fn occluded_each_in_tree<W: Simd8>(
+    pub(super) fn occluded_each_in_tree<W: Simd8>(
         &self,
         geometry: &Geometry,
         queries: &[Query],
@@ -283,7 +283,7 @@ impl<G: Goal> Each<'_, G> {
         let Each { bvh, geometry, queries, outside, stack, answers } = self;
         let (bvh, geometry, queries, outside) = (*bvh, *geometry, *queries, *outside);
         let (nodes, packs) = (&bvh.nodes[..], &bvh.packs[..]);
-        let Streams { flights, enter: distances, words } = &mut stack.1;
+        let Streams { flights, enter: distances, words } = &mut stack.streams;
         let mut source =
             QuerySource::<G> { bvh, geometry, queries, outside, next: 0, goal: PhantomData };
         let mut groups = [Lists::default(); 2];

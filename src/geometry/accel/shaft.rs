@@ -28,7 +28,7 @@ const MOST_LEAVES: usize = 32;
 const MOST_NODES: usize = 48;
 
 /// The hull of a box and a point.
-pub(crate) struct Shaft {
+pub(super) struct Shaft {
     low: [f32; 3],
     high: [f32; 3],
     planes: [Plane; 6],
@@ -58,7 +58,7 @@ impl Shaft {
     /// Between the points of a box, given by its lowest and highest corner, and another point, all
     /// of the scene.
     #[inline(always)]
-    pub(crate) fn new([low, high]: [V3; 2], p: V3) -> Shaft {
+    pub(super) fn new([low, high]: [V3; 2], p: V3) -> Shaft {
         let (p, margin) = ([p.x, p.y, p.z], V3::splat(MARGIN));
         let (low, high) = (low - margin, high + margin);
         let (low, high) = ([low.x, low.y, low.z], [high.x, high.y, high.z]);
@@ -127,14 +127,14 @@ impl Shaft {
 
 /// Leaves of a tree, with their boxes.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct ShaftLeaves(Vec<(u32, Aabb)>);
+pub(super) struct ShaftLeaves(Vec<(u32, Aabb)>);
 
 /// A register's worth of rays, taken out one by one.
-pub(crate) struct Rays([[f32; 16]; 6]);
+pub(super) struct Rays([[f32; 16]; 6]);
 
 impl Rays {
     #[inline(always)]
-    pub(crate) fn new<P: SimdWide>(o: V3<P>, d: V3<P>) -> Rays {
+    pub(super) fn new<P: SimdWide>(o: V3<P>, d: V3<P>) -> Rays {
         let mut parts = [[0.0; 16]; 6];
         for (x, part) in [o.x, o.y, o.z, d.x, d.y, d.z].into_iter().zip(&mut parts) {
             x.store(part);
@@ -143,7 +143,7 @@ impl Rays {
     }
 
     #[inline(always)]
-    pub(crate) fn get(&self, lane: usize) -> Ray {
+    pub(super) fn get(&self, lane: usize) -> Ray {
         let part = |i: usize| V3::new(self.0[i][lane], self.0[i + 1][lane], self.0[i + 2][lane]);
         Ray { o: part(0), d: part(3) }
     }
@@ -152,7 +152,7 @@ impl Rays {
 impl Bvh {
     /// Looks up what lies in a shaft; false if that is too much.
     #[inline(always)]
-    pub(crate) fn look_up<W: Simd8>(
+    pub(super) fn look_up<W: Simd8>(
         &self,
         shaft: &Shaft,
         stack: &mut Stack,
@@ -165,7 +165,7 @@ impl Bvh {
             return true;
         }
         let nodes = &self.nodes[..];
-        let stack = &mut stack.0;
+        let stack = &mut stack.subtrees;
         stack[0].1 = root;
         let (mut top, mut visited) = (1, 0);
         while top > 0 {
@@ -197,7 +197,7 @@ impl Bvh {
 
     /// Which of these lanes' rays hit any of the leaves at `0 < t <= t_max`.
     #[inline(always)]
-    pub(crate) fn occluded_by<W: Simd8, P: SimdWide>(
+    pub(super) fn occluded_by<W: Simd8, P: SimdWide>(
         &self,
         geometry: &Geometry,
         (rays, slabs): (&Rays, &PacketSlabs<P>),

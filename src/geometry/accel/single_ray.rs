@@ -1,12 +1,12 @@
 //! One ray through the tree: the nearest hit, or whether there is any.
 
-use super::analytic::AnalyticShapes;
 use super::build::Bvh;
 use super::node::{Child, child};
-use super::quads::Quads;
+use super::packet::TreeRays;
 use super::ray_stream::Streams;
 use super::shaft::Shaft;
 use super::slabs::Slabs;
+use super::visible::PairRays;
 use crate::geometry::aabb::PacketSlabs;
 use crate::geometry::triangle::{self, ShearedRay, TrianglePack8};
 use crate::geometry::{Geometry, Hit, Kind};
@@ -30,14 +30,25 @@ impl Ray {
     }
 }
 
-/// Subtrees still to be visited. Made once a worker by [`Bvh::stack`] and used for all its rays.
+/// Memory for traversal. Made once a worker by [`Bvh::stack`] and used for all its rays.
 #[derive(Clone, Debug)]
-pub struct Stack(pub(super) Box<[(f32, u32)]>, pub(super) Streams);
+pub struct Stack {
+    /// Subtrees of a single ray that are still to be visited.
+    pub(super) subtrees: Box<[(f32, u32)]>,
+    pub(super) streams: Streams,
+    pub(super) tree_rays: TreeRays,
+    pub(super) pair_rays: PairRays,
+}
 
 impl Bvh {
     /// A stack deep enough for this tree.
     pub fn stack(&self) -> Stack {
-        Stack(vec![(0.0, 0); 7 * self.depth() + 9].into(), Streams::new(self.depth()))
+        Stack {
+            subtrees: vec![(0.0, 0); 7 * self.depth() + 9].into(),
+            streams: Streams::new(self.depth()),
+            tree_rays: TreeRays::default(),
+            pair_rays: PairRays::default(),
+        }
     }
 
     /// The nearest hit at `0 < t <= t_max`; of equally near ones the lowest primitive. A ray with
@@ -83,7 +94,7 @@ pub(super) fn is_traceable(ray: &Ray) -> bool {
 impl Bvh {
     /// [`Bvh::closest`] for callers that run under an instruction set already.
     #[inline(always)]
-    pub(crate) fn closest_with<W: Simd8>(
+    pub(super) fn closest_with<W: Simd8>(
         &self,
         geometry: &Geometry,
         ray: &Ray,
@@ -121,7 +132,7 @@ impl Bvh {
 
     /// The hit, or what coincides with it and lies in front.
     #[inline(always)]
-    pub(crate) fn in_front(&self, geometry: &Geometry, ray: &Ray, hit: Option<Hit>) -> Option<Hit> {
+    pub(super) fn in_front(&self, geometry: &Geometry, ray: &Ray, hit: Option<Hit>) -> Option<Hit> {
         match hit {
             Some(hit) if self.coincident.may_be_behind(hit.primitive) => {
                 Some(self.coincident.foremost(geometry, ray, hit))
@@ -145,7 +156,7 @@ impl Bvh {
         };
         let (nodes, packs) = (&self.nodes[..], &self.packs[..]);
         let slabs = Slabs::new(ray);
-        let stack = &mut stack.0;
+        let stack = &mut stack.subtrees;
         let mut top = 0;
         loop {
             match child(word) {
@@ -243,7 +254,7 @@ pub(super) fn hit_analytic(
 impl Bvh {
     /// [`Bvh::occluded`] for callers that run under an instruction set already.
     #[inline(always)]
-    pub(crate) fn occluded_with<W: Simd8>(
+    pub(super) fn occluded_with<W: Simd8>(
         &self,
         geometry: &Geometry,
         ray: &Ray,
@@ -280,7 +291,7 @@ impl Bvh {
         let Some(root) = self.root else { return false };
         let (nodes, packs) = (&self.nodes[..], &self.packs[..]);
         let slabs = Slabs::new(ray);
-        let stack = &mut stack.0;
+        let stack = &mut stack.subtrees;
         stack[0].1 = root;
         let mut top = 1;
         while top > 0 {
@@ -315,24 +326,14 @@ impl Bvh {
 }
 
 impl Bvh {
-    /// The large flat faces, which are not in the tree.
-    pub(crate) fn quads(&self) -> &Quads {
-        &self.quads
-    }
-
-    /// The few spheres and cylinders that are not in the tree.
-    pub(crate) fn analytic(&self) -> &AnalyticShapes {
-        &self.analytic
-    }
-
     /// Whether there is anything but large quads.
-    pub(crate) fn has_others(&self) -> bool {
+    pub(super) fn has_others(&self) -> bool {
         self.root.is_some() || !self.analytic.is_empty()
     }
 
     /// The distance at which a ray hits a sphere or cylinder, in (0, t_max].
     #[inline(always)]
-    pub(crate) fn hit_analytic(
+    pub(super) fn hit_analytic(
         &self,
         geometry: &Geometry,
         primitive: u32,
@@ -344,7 +345,7 @@ impl Bvh {
 
     /// Which of the rays may hit what is in the tree before `t_max`.
     #[inline(always)]
-    pub(crate) fn may_hit_tree<P: SimdWide>(&self, rays: &PacketSlabs<P>, t_max: P) -> P::Mask {
+    pub(super) fn may_hit_tree<P: SimdWide>(&self, rays: &PacketSlabs<P>, t_max: P) -> P::Mask {
         if self.root.is_none() {
             return P::mask(0);
         }
@@ -354,13 +355,13 @@ impl Bvh {
 
     /// Which parts of the tree may reach into a shaft.
     #[inline(always)]
-    pub(crate) fn top_boxes_within<W: Simd8>(&self, shaft: &Shaft) -> u64 {
+    pub(super) fn top_boxes_within<W: Simd8>(&self, shaft: &Shaft) -> u64 {
         self.top_boxes.within::<W>(shaft)
     }
 
     /// Which of the rays may hit these parts of the tree before `t_max`.
     #[inline(always)]
-    pub(crate) fn may_hit_top_boxes<P: SimdWide>(
+    pub(super) fn may_hit_top_boxes<P: SimdWide>(
         &self,
         which: u64,
         rays: &PacketSlabs<P>,

@@ -12,7 +12,7 @@ use crate::math::V3;
 /// Surfaces within this of each other may coincide: more than [`coincide`] has for any of a scene,
 /// whose coordinates are within 1 or little more.
 const MARGIN: f32 = 4e-6;
-/// So many steps a primitive, and so many in any case, before the search is given up.
+/// Steps a primitive, and in any case, before the search is given up.
 const STEPS: usize = 16;
 const LEAST: usize = 2_000_000;
 
@@ -22,7 +22,7 @@ pub(crate) fn find(bvh: &Bvh, geometry: &Geometry, emits: &dyn Fn(u32) -> bool) 
     let kinds = vec![Kinds::NONE; bvh.nodes.len()];
     let mut search = Search { bvh, geometry, emits, kinds, steps, found: Vec::new() };
     // What is not in the tree.
-    let large: Vec<u32> = bvh.quads.triangles().chain(bvh.analytic.primitives()).collect();
+    let large: Vec<u32> = bvh.outside_tree().collect();
     for (i, &a) in large.iter().enumerate() {
         for &b in &large[i + 1..] {
             search.compare(a, b);

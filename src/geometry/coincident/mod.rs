@@ -23,7 +23,7 @@ use crate::math::simd::{F32x8, Simd8};
 pub(crate) use find::find;
 use overlap::APART;
 
-/// How far from a surface a point that was computed on it may be: so many unit roundoffs of the largest
+/// How far from a surface a point that was computed on it may be, as a multiple of the largest
 /// number that took part.
 const NEAR: f32 = 96.0 * UNIT_ROUNDOFF;
 
@@ -36,7 +36,7 @@ pub(crate) struct Coincident {
     fronts: Vec<u32>,
     /// A bit for the last digits of each of `behind`: nearly all hits are none of these.
     filter: [u64; 16],
-    /// So many surfaces are in each other's boxes that the search was given up.
+    /// Surfaces are in each other's boxes in such numbers that the search was given up.
     pub(crate) given_up: bool,
 }
 

@@ -6,12 +6,12 @@ use crate::geometry::{Cylinder, Geometry, Kind, Sphere};
 use crate::math::V3;
 use glam::{DVec2, DVec3};
 
-/// Surfaces coincide where they are no farther apart than so many unit roundoffs of their largest
+/// Surfaces coincide where they are no farther apart than this multiple of their largest
 /// coordinate. Coordinates that were exact before a scene was turned and rounded are moved by two or
 /// three; the rest is for files of few digits, and because rays leave surfaces by up to 28: what is
 /// nearer than that is seen by some rays and not by others.
 pub(super) const APART: f64 = 32.0 * UNIT_ROUNDOFF as f64;
-/// What overlaps by less than so many times that has an edge in common.
+/// What overlaps by less than this multiple of that has an edge in common.
 const EDGE: f64 = 4.0;
 
 fn wide(v: V3) -> DVec3 {

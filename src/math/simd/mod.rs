@@ -184,9 +184,9 @@ pub trait Simd8: Simd {
 /// A SIMD type as wide as the machine's registers, with a way into memory and out of it: what
 /// batches of paths are computed with.
 pub trait SimdWide: Simd {
-    /// The first [`Simd::WIDTH`] numbers of a slice, which must have so many.
+    /// The first [`Simd::WIDTH`] numbers of a slice, which must have at least that number.
     fn load(x: &[f32]) -> Self;
-    /// Into the first [`Simd::WIDTH`] places of a slice, which must have so many.
+    /// Into the first [`Simd::WIDTH`] places of a slice, which must have at least that number.
     fn store(self, x: &mut [f32]);
     /// [`SimdWide::load`] of words.
     fn load_bits(x: &[u32]) -> Self::Bits;
@@ -277,6 +277,23 @@ pub trait Kernel {
     type Output;
     /// Does the work on one instruction set.
     fn run<W: Simd8, P: SimdWide>(self) -> Self::Output;
+}
+
+/// The lanes of a mask, lowest first, from [`Mask::bits`].
+#[inline(always)]
+pub(crate) fn each_lane(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = mask.trailing_zeros() as usize;
+        let some = mask != 0;
+        mask &= mask.wrapping_sub(1);
+        some.then_some(lane)
+    })
+}
+
+/// The bits of the first `count` lanes, at most all.
+#[inline(always)]
+pub(crate) fn first_lanes(count: usize) -> u32 {
+    if count >= 32 { u32::MAX } else { (1 << count) - 1 }
 }
 
 /// Runs a kernel on `isa`, or on a plainer one where the machine lacks it.

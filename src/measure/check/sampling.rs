@@ -278,7 +278,7 @@ fn albedo(work: &mut ProofWork) {
 
 /// The albedo of these lobes seen from `wo`, by their own sampler: the mean of `f cos / pdf` of
 /// `per_batch` samples in each of 16 independent batches. `row` picks one of 2^16 independent
-/// streams of a seed. What is rarer than one in so many shows in neither mean nor spread.
+/// streams of a seed. What is rarer than one in all samples shows in neither mean nor spread.
 pub fn sampled_albedo(
     formulas: &Formulas,
     params: &BrdfParams,

@@ -76,7 +76,7 @@ impl SeenLobe {
         sum * area
     }
 
-    /// Of light 1 from a sphere: rings around its middle, in so many panels both ways.
+    /// Of light 1 from a sphere: rings around its middle, in this number of panels both ways.
     pub(super) fn sphere(&self, towards: DVec3, sin_widest: f64, panels: usize) -> f64 {
         let (t1, t2) = towards.any_orthonormal_pair();
         let rule = gauss(16);

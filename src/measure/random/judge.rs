@@ -21,7 +21,7 @@ const GRID: usize = 4;
 const PICTURES: u64 = 16;
 /// By how much more is traced at each further look.
 const MORE: u64 = 2;
-/// Beyond so many standard errors at two looks running nothing is left to look at.
+/// Standard errors beyond which at two looks running nothing is left to look at.
 const CERTAIN: f64 = 7.0;
 /// Orders of sums and quick reciprocals: what two right tracers may differ by without any noise.
 const ROUNDING_ERROR: f64 = 1e-5;
@@ -377,7 +377,7 @@ fn mean_and_variance(values: &[f64]) -> (f64, f64) {
     (mean, squares / (count * (count - 1.0)))
 }
 
-/// Student's test of two means, by the variance of their difference with so many degrees of freedom
+/// Student's test of two means, by the variance of their difference with its degrees of freedom
 /// (Welch's for independent ones).
 fn compare(engine: f64, reference: f64, variance: f64, freedom: f64) -> Region {
     let off = engine - reference;

@@ -91,7 +91,7 @@ pub struct SpeedPlan {
     pub variants: Vec<Variant>,
     /// Passes of the last checkpoint; the others are the powers of 2 below.
     pub passes: u64,
-    /// Ends a variant's curve before a checkpoint that would come after so many seconds.
+    /// Ends a variant's curve before a checkpoint that would come after this number of seconds.
     pub seconds: Option<f64>,
     /// How often everything is measured.
     pub repeats: u32,
@@ -289,7 +289,7 @@ fn curve(
     }
 }
 
-/// Waits until so many passes are done.
+/// Waits until `passes` passes are done.
 fn finished(session: &Session, passes: u64) -> Result<Snapshot, SpeedError> {
     for snapshot in session.snapshots().iter() {
         match snapshot.state {

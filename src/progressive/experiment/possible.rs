@@ -44,7 +44,7 @@ impl Experiment {
         self.unplanned()
     }
 
-    /// Samples of each replicate where passes are grouped in turn, in a tile of so many passes.
+    /// Samples of each replicate where passes are assigned in turn, in a tile of `passes` passes.
     fn dealt(&self, passes: u64) -> [u64; REPLICATES] {
         let before = |end: u64| {
             let each = REPLICATES as u64;

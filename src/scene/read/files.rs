@@ -214,7 +214,7 @@ pub(super) fn load(path: &Path) -> Result<Vec<u8>, Error> {
     fs::read(path)
 }
 
-/// Whether there is the memory to read so many bytes.
+/// Whether there is the memory to read this number of bytes.
 fn room_to_read(bytes: u64) -> Result<(), Error> {
     let what = || format!("to read its {}", Bytes(bytes));
     fits(bytes.saturating_mul(READ_FACTOR), what)

@@ -52,7 +52,7 @@ impl ReadError {
     }
 }
 
-/// So many errors of a file are listed.
+/// Most errors of a file that are listed.
 const MAX_ERRORS: usize = 20;
 
 /// The errors of one file, while its reader goes on to find the others.

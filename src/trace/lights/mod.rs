@@ -1,11 +1,11 @@
-//! Lights: which to ask, where on it, and with what density.
+//! Light sampling: which light, which point on it, and with what density in 1/sr.
 //!
 //! One table of everything that emits, for one path or many side by side. A light is chosen in
 //! proportion to [what may come from it](importance), of up to sixteen by looking at all, of more by
 //! [a tree](tree). Spheres are sampled by the solid angle that they fill, [rectangles](spherical_rectangle)
 //! too where they are near, everything else by area, the environment by the cosine. All of this is
 //! a function of the surface point and the light alone, so that a light hit by chance has the
-//! density with which it would have been asked for.
+//! density with which light sampling would have found it.
 
 mod importance;
 mod merge_triangles;
@@ -18,7 +18,7 @@ mod tree;
 pub(super) use importance::LightSampleContext;
 pub(super) use sample::{LightSample, SHADOW_END};
 
-use crate::geometry::{Aabb, Bvh, Geometry, Kind, NO_QUAD, PacketSlabs};
+use crate::geometry::{Aabb, Bvh, Geometry, Kind, NO_SURFACE, PacketSlabs};
 use crate::math::gather_table::GatherTable;
 use crate::math::simd::{Bits, Simd, SimdWide};
 use crate::math::{Rgb, V3, warp};
@@ -30,13 +30,13 @@ use tree::LightBvh;
 
 /// The largest number below 1.
 const ALMOST_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
-/// So many lights are looked at one by one.
+/// Most lights that are weighed one by one.
 const FEW: usize = 16;
 /// All lights that may contribute have this share of the choice between them whatever is estimated:
 /// the bright one may be behind a wall.
 const BLIND: f32 = 1.0 / 32.0;
-/// At most so many branches of a tree are looked at one by one; of more than this some are walked
-/// down. The environment is beside them.
+/// Most branches of a tree that are weighed one by one; below them one is found by descent. The
+/// environment comes besides.
 const BRANCHES: usize = 64;
 const MOST: usize = BRANCHES + 1;
 /// Primitives without area are no lights.
@@ -81,7 +81,7 @@ impl Lights {
         self.links.len() * light + self.light_of.len() * 4 + self.ranges.len() * 12
     }
 
-    /// Those of a scene with these materials; `equally` has each asked as often as the others,
+    /// Those of a scene with these materials; `equally` has each sampled as often as the others,
     /// wherever it is.
     pub(super) fn new(scene: &Scene, materials: &[Material], equally: bool) -> Lights {
         let (geometry, bvh) = (scene.geometry(), scene.bvh());
@@ -109,11 +109,16 @@ impl Lights {
                     light_of[base + (primitive - surface.shape.first) as usize] =
                         records.len() as u32;
                 }
-                let [a, b] = primitives.map(|primitive| bvh.number_of(primitive));
-                // Of a cylinder either side is asked for, and the near one hides the far one.
+                let [a, b] = primitives.map(|primitive| bvh.surface_id(primitive));
+                // Points are sampled on either side of a cylinder, and the near side hides the far one.
                 let whole = a == b && !matches!(shape, LightShape::Cylinder(..));
-                let quad = if whole { a } else { NO_QUAD };
-                records.push(shape.record(primitives[0], radiance, quad, geometry.least_error()));
+                let surface_id = if whole { a } else { NO_SURFACE };
+                records.push(shape.record(
+                    primitives[0],
+                    radiance,
+                    surface_id,
+                    geometry.least_error(),
+                ));
                 hidden.push(primitives);
                 bounds.push(shape.bound(relative(radiance)));
             }
@@ -123,7 +128,7 @@ impl Lights {
         }
         let sky = if environment.is_black() { 0.0 } else { relative(environment) };
         if sky > 0.0 {
-            records.push(LightShape::Environment.record(u32::MAX, environment, NO_QUAD, 0.0));
+            records.push(LightShape::Environment.record(u32::MAX, environment, NO_SURFACE, 0.0));
         }
         let boxes = bounds.iter().map(|b| Aabb { centre: b.centre, half: b.half });
         let aabbs = match bounds.len() {
@@ -162,7 +167,7 @@ impl Lights {
         self.records.len()
     }
 
-    /// Whether which one is asked depends on the place.
+    /// Whether the probability of a light depends on the place.
     pub(super) fn choose_by_place(&self) -> bool {
         self.count() > 1
     }

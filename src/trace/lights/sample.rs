@@ -1,4 +1,4 @@
-//! The shapes of lights: where on one to ask, and with what density.
+//! The shapes of lights: sampling a point on one, and its density in 1/sr.
 
 use super::area_of;
 use super::importance::{LightBounds, LightSampleContext};
@@ -15,7 +15,8 @@ pub(in crate::trace) const SHADOW_END: f32 = 1.0 - 16.0 * f32::EPSILON;
 /// Rounding a flat light's point, and hitting it again, costs less than this part of its largest
 /// coordinate, as for any triangle.
 const ERROR: f32 = 8.0 * f32::EPSILON;
-/// Spheres that coincide are hit so many times their distance apart, at all but grazing angles.
+/// Distance between the hits of spheres that coincide, in distances between the spheres, at all but
+/// grazing angles.
 const SLACK: f32 = 16.0;
 /// A rectangle is near where the square of its diagonal is more than this part of the distance's...
 const NEAR: f32 = 2.0;
@@ -84,7 +85,7 @@ impl LightShape {
         &self,
         primitive: u32,
         radiance: Rgb,
-        quad: u32,
+        surface_id: u32,
         least_error: f32,
     ) -> [f32; FIELDS] {
         let mut r = [0.0; FIELDS];
@@ -122,7 +123,7 @@ impl LightShape {
             let largest = corners.iter().map(|c| c.abs().max_component()).fold(0.0, f32::max);
             r[14] = (ERROR * largest).max(least_error);
         }
-        r[18] = f32::from_bits(quad);
+        r[18] = f32::from_bits(surface_id);
         r[19] = f32::from_bits(primitive);
         r
     }
@@ -181,8 +182,8 @@ pub(in crate::trace) struct LightSample<P: Simd> {
     pub(in crate::trace) radiance: Rgb<P>,
     /// In 1/sr, the choice of the light included.
     pub(in crate::trace) pdf: P,
-    /// The large quad that the light is, if it is one.
-    pub(in crate::trace) quad: P::Bits,
+    /// The surface that the light is, if it is one.
+    pub(in crate::trace) surface_id: P::Bits,
     /// Whether there is one.
     pub(in crate::trace) found: P::Mask,
     /// A known point, or a sphere's centre with its radius in `error`, or nothing.
@@ -317,7 +318,7 @@ pub(super) fn sample<P: SimdWide>(
         wi: to.frame.n,
         radiance: Rgb::new(light[15], light[16], light[17]),
         pdf: zero,
-        quad: light[18].to_bits(),
+        surface_id: light[18].to_bits(),
         found: !P::mask(0),
         target: SurfacePoint { p: nothing, ng: nothing, ns: nothing, error: nothing },
         is_point,

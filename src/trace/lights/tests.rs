@@ -401,7 +401,7 @@ fn the_cone_of_a_sphere_is_known_at_every_size() {
             let (low, high) = (exact(1.5e-7) * (1.0 - 1e-6), exact(-1.5e-7) * (1.0 + 1e-6));
             let found = f64::from(found);
             assert!((low..=high).contains(&found), "{ratio}: {low} {found} {high}");
-            let record = LightShape::Sphere(sphere).record(0, Rgb::splat(1.0), NO_QUAD, 0.0);
+            let record = LightShape::Sphere(sphere).record(0, Rgb::splat(1.0), NO_SURFACE, 0.0);
             let to = context(p, V3::new(0.0, 0.0, 1.0), 1);
             let g = Geometry::default();
             for [u, v, _] in numbers(4000) {
@@ -424,7 +424,7 @@ fn the_cone_of_a_sphere_is_known_at_every_size() {
 #[test]
 fn inside_a_sphere_the_cone_is_everything() {
     let sphere = Sphere { centre: V3::new(0.25, 0.5, -0.5), radius: 0.25 };
-    let record = LightShape::Sphere(sphere).record(0, Rgb::splat(1.0), NO_QUAD, 0.0);
+    let record = LightShape::Sphere(sphere).record(0, Rgb::splat(1.0), NO_SURFACE, 0.0);
     for x in [0.25, 0.3, 0.375, 0.5] {
         let p = V3::new(x, 0.5, -0.5);
         assert!((sample::pdf(&record, p, 1.0, 1.0) * 4.0 * PI - 1.0).abs() < 1e-6);

@@ -1,4 +1,4 @@
-//! What the path tracer asks at each step, with the right answers.
+//! The steps of the path tracer that an erratum may change, and the correct ones.
 //!
 //! The tracer is one text, compiled for [`Correct`] rules, which vanish into it, and once more for
 //! [those that make a mistake](super::errata).

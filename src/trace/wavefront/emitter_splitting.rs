@@ -1,4 +1,4 @@
-//! Split rays that look for emitters and for nothing else.
+//! Emitter splitting: more rays where they may hit an emitter, which end there.
 //!
 //! At the edge of an emitter, seen or mirrored, one ray a pixel is mostly chance, and nothing that comes
 //! later in the path makes up for it. So the camera's ray has company where an emitter may be in the
@@ -10,7 +10,7 @@ use super::shade::is_black;
 use super::state::{RayBatch, RayQueue};
 use super::{PathBatch, ShadeHits, TraceRays};
 use crate::brdf::{Brdf, BrdfParams, Microfacet};
-use crate::geometry::{Aabb, NO_QUAD, PacketSlabs, Stack, SurfacePoint, offset_origin};
+use crate::geometry::{Aabb, NO_SURFACE, PacketSlabs, Stack, SurfacePoint, offset_origin};
 use crate::math::simd::{Bits, Mask, SimdWide, dispatch};
 use crate::math::sobol::{Slot, Stream, pair, unit};
 use crate::math::{Frame, Rgb, V3};
@@ -19,7 +19,7 @@ use crate::trace::{RayCounts, Stage, Tracer, Watch};
 use std::marker::PhantomData;
 use std::mem::{swap, take};
 
-/// How many rays look, the path's own among them: a power of 2, so that as many equal parts are the
+/// Number of rays, the path's own among them: a power of 2, so that as many equal parts are the
 /// whole to the last digit.
 const SPLIT: usize = 4;
 /// How many of them are split rays.
@@ -43,7 +43,7 @@ pub(super) struct PrimaryPoints<'a, P: SimdWide> {
     pub(super) frame: &'a Frame<P>,
     pub(super) brdf: &'a Brdf<P>,
     pub(super) context: &'a LightSampleContext<P>,
-    pub(super) quad: P::Bits,
+    pub(super) surface_id: P::Bits,
     pub(super) slot: P::Bits,
     pub(super) stream: &'a Stream<P::Bits>,
 }
@@ -101,7 +101,7 @@ impl Tracer {
             rays.d.push::<P>(end, near, d);
             rays.beta.push::<P>(end, near, V3::splat(one));
             rays.mis_fraction.push::<P>(end, near, mis_fraction);
-            rays.quad.push::<P>(end, near, P::Bits::splat(NO_QUAD));
+            rays.surface_id.push::<P>(end, near, P::Bits::splat(NO_SURFACE));
             rays.slot.push::<P>(end, near, slot);
             rays.lead.push::<P>(end, near, P::Bits::splat(0));
             split_rays.counts[which] += near.bits().count_ones() as usize;
@@ -109,7 +109,7 @@ impl Tracer {
         mis_fraction
     }
 
-    /// How many look from primary vertices: more than one where they have a sharp lobe and emitters are all
+    /// Number of rays that leave primary vertices: more than one where they have a sharp lobe and emitters are all
     /// that shines.
     #[inline(always)]
     pub(super) fn split_count<P: SimdWide>(
@@ -137,7 +137,7 @@ impl Tracer {
         from: &PrimaryPoints<P>,
         beta: Rgb<P>,
     ) {
-        let PrimaryPoints { point, frame, brdf, context, quad, slot, stream } = *from;
+        let PrimaryPoints { point, frame, brdf, context, surface_id, slot, stream } = *from;
         let mis_fraction = P::splat(1.0 / SPLIT as f32);
         for which in 0..EXTRA {
             let stream = stream.one_of(EXTRA as u32, which as u32);
@@ -155,8 +155,19 @@ impl Tracer {
             let pdf = next.pdf;
             let stream = from.stream;
             let lead = P::Bits::splat(0);
-            let way =
-                RayBatch { o, d, beta, pdf, mis_fraction, cos, context, quad, slot, lead, stream };
+            let way = RayBatch {
+                o,
+                d,
+                beta,
+                pdf,
+                mis_fraction,
+                cos,
+                context,
+                surface_id,
+                slot,
+                lead,
+                stream,
+            };
             let (rays, end) = (&mut split_rays.rounds[which], split_rays.counts[which]);
             split_rays.counts[which] += rays.push::<P>(end, goes, &way, &self.lights, 0);
         }

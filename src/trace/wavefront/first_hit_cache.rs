@@ -15,15 +15,15 @@ struct KeptHit {
     t: f32,
     b: [f32; 2],
     primitive: u32,
-    quad: u32,
+    surface_id: u32,
 }
 
 impl FirstHits {
-    /// Whether it was there, for so many paths.
+    /// Whether it was there, for `count` paths.
     pub(super) fn recall(&self, hits: &mut Hits, count: usize) -> bool {
         let Some(kept) = self.0.get().filter(|kept| kept.len() == count) else { return false };
         for (at, hit) in kept.iter().enumerate() {
-            hits.put(at, hit.t, hit.b, hit.primitive, hit.quad);
+            hits.found.put(at, hit.t, hit.b, hit.primitive, hit.surface_id);
         }
         true
     }
@@ -31,8 +31,8 @@ impl FirstHits {
     /// Keeps what was hit.
     pub(super) fn keep(&self, hits: &Hits, count: usize) {
         let hit = |at: usize| {
-            let (t, b, primitive, quad) = hits.of(at);
-            KeptHit { t, b, primitive, quad }
+            let (t, b, primitive, surface_id) = hits.found.of(at);
+            KeptHit { t, b, primitive, surface_id }
         };
         // Another worker may have been there before: with the same.
         let _ = self.0.set((0..count).map(hit).collect());

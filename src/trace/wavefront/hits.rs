@@ -2,9 +2,7 @@
 
 use super::RayQueue;
 use crate::brdf::{Alpha, BrdfParams};
-use crate::geometry::{
-    Geometry, Hit, NO_QUAD, QuadHits, SurfacePoint, flat_surface, resolve, shading_normal,
-};
+use crate::geometry::{Geometry, Hit, HitSoa, RaySoa, SurfacePoint, flat_surface, shading_normal};
 use crate::math::gather_table::GatherTable;
 use crate::math::simd::{Bits, Mask, Simd, Simd8, SimdWide};
 use crate::math::soa::{Soa, Soa3};
@@ -137,14 +135,8 @@ impl MaterialTable {
 /// Where rays hit surfaces.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Hits {
-    pub(super) t: Soa<f32>,
-    b: [Soa<f32>; 2],
-    /// `u32::MAX` for nothing.
-    pub(super) primitive: Soa<u32>,
+    pub(super) found: HitSoa,
     pub(super) material: Soa<u32>,
-    pub(super) quad: Soa<u32>,
-    /// All ones where distance and weights are still to be found.
-    unresolved: Soa<u32>,
     /// A triangle's corners; another shape's point, normal and bound on the error.
     corners: [Soa3; 3],
     /// Normals of a smooth triangle's corners.
@@ -154,7 +146,7 @@ pub(super) struct Hits {
     least_error: f32,
 }
 
-/// So many triangles and their corners are in the processor's caches anyway.
+/// Number of triangles up to which they and their corners are in the processor's caches anyway.
 const MANY: usize = 10_000;
 /// How many hits before a shape is wanted its corners are asked for; its indices twice as many.
 const AHEAD: usize = 8;
@@ -172,59 +164,11 @@ pub(super) struct Surfaces<P: Simd> {
 }
 
 impl Hits {
-    /// Takes down the large quads that rays hit, if any.
-    #[inline(always)]
-    pub(super) fn set_quads<P: SimdWide>(&mut self, at: usize, hits: &QuadHits<P>) {
-        let none = P::Bits::splat(u32::MAX);
-        let missed = P::equal_bits(hits.quad, P::Bits::splat(NO_QUAD));
-        self.t.store(at, hits.t);
-        self.primitive.store::<P>(at, P::select_bits(missed, none, hits.triangle));
-        self.quad.store::<P>(at, hits.quad);
-        self.unresolved.store::<P>(at, P::select_bits(missed, P::Bits::splat(0), none));
-    }
-
-    /// Takes down what one ray hit.
-    #[inline(always)]
-    pub(super) fn set(&mut self, at: usize, hit: Option<Hit>, quad: u32) {
-        let Hit { t, primitive, b } =
-            hit.unwrap_or(Hit { t: f32::INFINITY, primitive: u32::MAX, b: [0.0; 2] });
-        self.put(at, t, b, primitive, quad);
-    }
-
-    /// Takes down a hit by its numbers.
-    #[inline(always)]
-    pub(super) fn put(&mut self, at: usize, t: f32, b: [f32; 2], primitive: u32, quad: u32) {
-        self.t.0[at] = t;
-        self.primitive.0[at] = primitive;
-        self.b[0].0[at] = b[0];
-        self.b[1].0[at] = b[1];
-        self.quad.0[at] = quad;
-        self.unresolved.0[at] = 0;
-    }
-
-    /// The numbers of a hit, once all are found.
-    pub(super) fn of(&self, at: usize) -> (f32, [f32; 2], u32, u32) {
-        let b = [self.b[0].0[at], self.b[1].0[at]];
-        (self.t.0[at], b, self.primitive.0[at], self.quad.0[at])
-    }
-
     /// Finds distances and weights where they are not known yet; the shapes have to be there.
     #[inline(always)]
     pub(super) fn resolve<P: SimdWide>(&mut self, paths: &RayQueue, count: usize) {
-        for at in (0..count).step_by(P::WIDTH) {
-            let unresolved = !P::equal_bits(self.unresolved.load::<P>(at), P::Bits::splat(0));
-            if !unresolved.any() {
-                continue;
-            }
-            let [a, b, c] = &self.corners;
-            let corners = [a.load::<P>(at), b.load::<P>(at), c.load::<P>(at)];
-            let (o, d) = (paths.o.load::<P>(at), paths.d.load::<P>(at));
-            let (t, b) = resolve(o, d, corners, unresolved);
-            self.t.store(at, P::select(unresolved, t, self.t.load::<P>(at)));
-            for (column, b) in self.b.iter_mut().zip(b) {
-                column.store(at, P::select(unresolved, b, column.load::<P>(at)));
-            }
-        }
+        let rays = RaySoa { count, o: &paths.o, d: &paths.d, from: &paths.surface_id };
+        self.found.resolve::<P>(&rays, self.corners.each_ref());
     }
 
     /// Gathers the shapes. Each is anywhere in memory, so memory is asked for those to come.
@@ -234,7 +178,7 @@ impl Hits {
         self.least_error = geometry.least_error();
         for at in 0..count {
             if faces.len() > MANY {
-                let primitives = &self.primitive.0[..count];
+                let primitives = &self.found.primitive.0[..count];
                 let ahead = |n: usize| primitives.get(at + n).and_then(|&i| faces.get(i as usize));
                 if let Some(face) = ahead(2 * AHEAD) {
                     W::prefetch(face);
@@ -245,7 +189,7 @@ impl Hits {
                     }
                 }
             }
-            let primitive = self.primitive.0[at];
+            let primitive = self.found.primitive.0[at];
             if primitive == u32::MAX {
                 self.kind.0[at] = NOTHING;
                 self.material.0[at] = 0;
@@ -253,8 +197,8 @@ impl Hits {
             }
             let Some(face) = faces.get(primitive as usize) else {
                 self.material.0[at] = geometry.material(primitive);
-                let b = [self.b[0].0[at], self.b[1].0[at]];
-                let hit = Hit { t: self.t.0[at], primitive, b };
+                let b = [self.found.b[0].0[at], self.found.b[1].0[at]];
+                let hit = Hit { t: self.found.t.0[at], primitive, b };
                 let point = geometry.surface(&paths.ray(at), &hit);
                 self.kind.0[at] = OTHER;
                 for (column, v) in self.corners.iter_mut().zip([point.p, point.ng, point.error]) {
@@ -285,7 +229,7 @@ impl Hits {
         let kind = self.kind.load::<P>(at);
         let [a, b, c] = &self.corners;
         let corners = [a.load::<P>(at), b.load::<P>(at), c.load::<P>(at)];
-        let weights = [self.b[0].load::<P>(at), self.b[1].load::<P>(at)];
+        let weights = [self.found.b[0].load::<P>(at), self.found.b[1].load::<P>(at)];
         let mut point = flat_surface(corners, weights);
         point.error = point.error.max(V3::splat(P::splat(self.least_error)));
         let smooth = is::<P>(kind, SMOOTH);

@@ -18,8 +18,8 @@ mod state;
 
 use super::{Contribution, DEPTH_CAP, PixelBatch, RayCounts, Scratch, Stage, Tracer, Watch};
 use crate::brdf::Microfacet;
-use crate::geometry::{NO_QUAD, Stack};
-use crate::math::simd::{Bits, Kernel, Simd8, SimdWide, dispatch};
+use crate::geometry::{NO_SURFACE, Stack};
+use crate::math::simd::{Bits, Kernel, Simd8, SimdWide, dispatch, first_lanes};
 use crate::math::soa::{BATCH, Soa};
 use crate::math::sobol::{PassKey, Slot, Stream, pair};
 use crate::math::{Rgb, V3};
@@ -27,7 +27,6 @@ use crate::scene::Material;
 use emitter_splitting::{SplitRays, TraceSplitRays};
 pub use first_hit_cache::FirstHits;
 use hits::{Hits, MaterialTable};
-use rays::TreeRays;
 use reuse::{PrimaryVertices, ReuseVertices};
 use state::{RayQueue, ShadowQueue};
 use std::marker::PhantomData;
@@ -53,7 +52,8 @@ pub(super) struct PathBatch {
     hits: Hits,
     shadows: ShadowQueue,
     split_rays: SplitRays,
-    tree_rays: TreeRays,
+    /// Of the shadow rays that nothing is in the way of: a register's worth of bits each.
+    visible: Vec<u32>,
     primary: PrimaryVertices,
     reuse: ReuseVertices,
     /// By place in the batch.
@@ -71,7 +71,7 @@ pub(super) struct PathBatch {
 pub struct BatchOptions<'a> {
     /// Of which pass, from 0, where the [`PixelBatch`] does not say.
     pub pass: u64,
-    /// For blocks of so many pixels a side instead of pixels.
+    /// Side of the blocks that are traced as one pixel, in pixels.
     pub block: u32,
     /// What their camera rays hit, if it is kept.
     pub first_hits: Option<&'a FirstHits>,
@@ -87,7 +87,7 @@ impl BatchOptions<'_> {
     }
 }
 
-/// Lights asked at the primary vertex of a path that shares its second one; room is for four.
+/// Light samples at the primary vertex of a path whose reuse vertex is shared; there is room for four.
 const LIGHT_SAMPLES: u32 = 4;
 
 impl Tracer {
@@ -281,7 +281,7 @@ impl Tracer {
 }
 
 impl PathBatch {
-    /// How many lights are asked at this event. What is shared costs more than a light, so that a
+    /// Number of light samples at this event. What is shared costs more than a light, so that a
     /// few more of those pay where nobody shares.
     #[inline(always)]
     fn light_samples(&self, event: u32) -> u32 {
@@ -326,7 +326,7 @@ impl Kernel for GenerateCameraRays<'_> {
             paths.beta.store(at, V3::splat(P::splat(1.0)));
             let mut mis_fraction = P::splat(1.0);
             if !emitter_boxes.is_empty() {
-                let live = P::mask(lowest(count - at));
+                let live = P::mask(first_lanes(count - at));
                 let place = [P::from_small(x), P::from_small(y)];
                 let slots: [u32; 16] = std::array::from_fn(|lane| (at + lane) as u32);
                 let path = (P::load_bits(&slots), &stream);
@@ -334,7 +334,7 @@ impl Kernel for GenerateCameraRays<'_> {
                     tracer.split_camera_rays(split_rays, &emitter_boxes, live, place, side, path);
             }
             paths.mis_fraction.store(at, mis_fraction);
-            paths.quad.store::<P>(at, P::Bits::splat(NO_QUAD));
+            paths.surface_id.store::<P>(at, P::Bits::splat(NO_SURFACE));
             paths.key.store::<P>(at, stream.key());
             paths.lead.store::<P>(at, P::Bits::splat(0));
         }
@@ -433,9 +433,4 @@ impl<M: Microfacet> Kernel for GatherLight<'_, M> {
     fn run<W: Simd8, P: SimdWide>(self) -> u64 {
         self.tracer.gather_light::<P, M>(self.batch)
     }
-}
-
-/// So many lowest bits, at most all.
-fn lowest(count: usize) -> u32 {
-    if count >= 32 { u32::MAX } else { (1 << count) - 1 }
 }

@@ -3,10 +3,10 @@
 use super::emitter_splitting::PrimaryPoints;
 use super::reuse::OwnTerms;
 use super::state::RayBatch;
-use super::{FROM_LIGHT, PathBatch, REFLECTED, Tables, lowest};
+use super::{FROM_LIGHT, PathBatch, REFLECTED, Tables};
 use crate::brdf::Microfacet;
-use crate::geometry::{MAX_QUADS, NO_QUAD, offset_origin};
-use crate::math::simd::{Bits, Mask, Simd, SimdWide};
+use crate::geometry::{offset_origin, surface_left};
+use crate::math::simd::{Bits, Mask, Simd, SimdWide, first_lanes};
 use crate::math::sobol::{Slot, Stream, pair, unit};
 use crate::math::{Frame, Rgb, V3};
 use crate::trace::lights::LightSampleContext;
@@ -35,7 +35,7 @@ impl Tracer {
         let mut going = 0;
         batch.shadows.count = 0;
         for at in (0..count).step_by(P::WIDTH) {
-            let live = P::mask(lowest(count - at));
+            let live = P::mask(first_lanes(count - at));
             let surfaces = batch.hits.surfaces::<P>(at);
             let material = materials.get::<P>(batch.hits.material.load::<P>(at));
             let d = batch.paths.d.load::<P>(at);
@@ -68,17 +68,16 @@ impl Tracer {
                 going += (hit & material.reflects).bits().count_ones() as usize;
                 continue;
             }
-            let quad = batch.hits.quad.load::<P>(at);
-            let known = from_outside | P::less_bits(quad, P::Bits::splat(MAX_QUADS as u32));
-            let quad = P::select_bits(known, quad, P::Bits::splat(NO_QUAD));
-            let what = [batch.hits.material.load::<P>(at), quad];
+            let surface_id = batch.hits.found.surface.load::<P>(at);
+            let surface_id = surface_left::<P>(surface_id, from_outside);
+            let what = [batch.hits.material.load::<P>(at), surface_id];
             let slot = batch.paths.slot.load::<P>(at);
             let primary = role.first & go;
             if batch.shares && (event == 0 || primary.any()) {
                 // Camera rays lie in the order of their places.
                 let slots = (event > 0).then_some(slot);
-                let [material, quad] = what;
-                let what = [material, quad, role.lead];
+                let [material, surface_id] = what;
+                let what = [material, surface_id, role.lead];
                 batch.primary.store(at, slots, primary, &point, -d, beta, what);
             }
             if !go.any() {
@@ -102,7 +101,8 @@ impl Tracer {
                 if sharp.any() {
                     let (point, frame, brdf) = (&point, &frame, &brdf);
                     let (context, stream) = (&context, &stream);
-                    let from = PrimaryPoints { point, frame, brdf, context, quad, slot, stream };
+                    let from =
+                        PrimaryPoints { point, frame, brdf, context, surface_id, slot, stream };
                     let split_rays = &mut batch.split_rays;
                     self.split_at_points::<P, M>(split_rays, sharp, &from, beta);
                 }
@@ -149,8 +149,8 @@ impl Tracer {
                     shadows.d.push::<P>(end, traced, way.d);
                     shadows.t_max.push::<P>(end, traced, way.t_max);
                     shadows.light.push_rgb::<P>(end, traced, found);
-                    shadows.quads[0].push::<P>(end, traced, quad);
-                    shadows.quads[1].push::<P>(end, traced, light.quad);
+                    shadows.surface_ids[0].push::<P>(end, traced, surface_id);
+                    shadows.surface_ids[1].push::<P>(end, traced, light.surface_id);
                     shadows.slot.push::<P>(end, traced, slot + role.light_sum);
                     shadows.count += traced.bits().count_ones() as usize;
                 }
@@ -216,8 +216,19 @@ impl Tracer {
             let (pdf, mis_fraction) = (next.pdf, P::splat(1.0) / split);
             let (context, stream) = (&context, &stream);
             let lead = role.lead;
-            let way =
-                RayBatch { o, d, beta, pdf, mis_fraction, cos, context, quad, slot, lead, stream };
+            let way = RayBatch {
+                o,
+                d,
+                beta,
+                pdf,
+                mis_fraction,
+                cos,
+                context,
+                surface_id,
+                slot,
+                lead,
+                stream,
+            };
             going += batch.paths.push::<P>(going, goes, &way, lights, event);
         }
         going
@@ -269,7 +280,8 @@ impl Tracer {
             cos.store(&mut cosine);
             for lane in (0..P::WIDTH).filter(|lane| lanes >> lane & 1 != 0) {
                 let from = batch.paths.from.get(at + lane, &self.lights, event - 1);
-                let (primitive, t) = (batch.hits.primitive.0[at + lane], batch.hits.t.0[at + lane]);
+                let (primitive, t) =
+                    (batch.hits.found.primitive.0[at + lane], batch.hits.found.t.0[at + lane]);
                 other[lane] = self.lights.pdf(&from, primitive, t, cosine[lane]);
             }
             let other = P::load(&other) * P::splat(batch.light_samples(event - 1) as f32);

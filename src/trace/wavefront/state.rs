@@ -16,15 +16,15 @@ pub(super) struct RayQueue {
     pub(super) beta: Soa3,
     /// Density of the direction, in 1/sr.
     pub(super) pdf: Soa<f32>,
-    /// The part that counts of light hit, where others look as well; for rays to the first two points
+    /// What light that it hits counts, where split rays are its company; for rays to the first two points
     /// alone.
     pub(super) mis_fraction: Soa<f32>,
     /// Of the direction to the shading normal that it left from.
     pub(super) cos: Soa<f32>,
     /// Where it left from, as the lights see it.
     pub(super) from: LightSampleContexts,
-    /// The large quad that it left from.
-    pub(super) quad: Soa<u32>,
+    /// The surface that it left from.
+    pub(super) surface_id: Soa<u32>,
     /// Place in the batch.
     pub(super) slot: Soa<u32>,
     /// How many mirrors the path has hit before its first other surface.
@@ -43,7 +43,7 @@ pub(super) struct RayBatch<'a, P: SimdWide> {
     pub(super) mis_fraction: P,
     pub(super) cos: P,
     pub(super) context: &'a LightSampleContext<P>,
-    pub(super) quad: P::Bits,
+    pub(super) surface_id: P::Bits,
     pub(super) slot: P::Bits,
     pub(super) lead: P::Bits,
     pub(super) stream: &'a Stream<P::Bits>,
@@ -57,8 +57,8 @@ pub(super) struct ShadowQueue {
     pub(super) d: Soa3<FOURFOLD>,
     pub(super) t_max: Soa<f32, FOURFOLD>,
     pub(super) light: Soa3<FOURFOLD>,
-    /// The large quads where they begin and end.
-    pub(super) quads: [Soa<u32, FOURFOLD>; 2],
+    /// The surfaces where they begin and end.
+    pub(super) surface_ids: [Soa<u32, FOURFOLD>; 2],
     /// Place in the batch, and which sum the light belongs to: `slot + (sum << 16)`.
     pub(super) slot: Soa<u32, FOURFOLD>,
 }
@@ -83,7 +83,7 @@ impl RayQueue {
         }
         self.cos.push::<P>(at, which, way.cos);
         self.from.push::<P>(at, which, way.context, lights, event);
-        self.quad.push::<P>(at, which, way.quad);
+        self.surface_id.push::<P>(at, which, way.surface_id);
         self.slot.push::<P>(at, which, way.slot);
         self.lead.push::<P>(at, which, way.lead);
         self.key.push::<P>(at, which, way.stream.key());

@@ -29,7 +29,7 @@ const LARGE: f64 = 1.0 / 256.0;
 
 /// Shapes that are not in the tree.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct AnalyticShapes {
+pub(super) struct AnalyticShapes {
     shapes: Vec<AnalyticShape>,
     /// Those that lie together, and the rest.
     clusters: Vec<Cluster>,
@@ -98,12 +98,12 @@ impl AnalyticShapes {
     }
 
     /// Their primitives, in order.
-    pub(in crate::geometry) fn primitives(&self) -> impl Iterator<Item = u32> {
+    pub(super) fn primitives(&self) -> impl Iterator<Item = u32> {
         self.shapes.iter().map(|shape| shape.primitive)
     }
 
     /// True without any.
-    pub(crate) fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.shapes.is_empty()
     }
 
@@ -116,21 +116,21 @@ impl AnalyticShapes {
 
     /// The bit that [`AnalyticShapes::within`] has for the one of this number, if it is one.
     #[inline(always)]
-    pub(crate) fn bit_of(&self, number: u32) -> u64 {
+    pub(super) fn bit_of(&self, number: u32) -> u64 {
         let at = number.wrapping_sub(MAX_QUADS as u32);
         if (at as usize) < self.shapes.len() { 1 << at } else { 0 }
     }
 
     /// Which of them may reach into a shaft: bit `i` for the `i`th.
     #[inline(always)]
-    pub(crate) fn within<W: Simd8>(&self, shaft: &Shaft) -> u64 {
+    pub(super) fn within<W: Simd8>(&self, shaft: &Shaft) -> u64 {
         shaft.among::<W>(&self.nodes)
     }
 
     /// Calls `each` with the shapes that some of the rays may hit before `t_max`, and with those
     /// rays as bits. One that a ray leaves outwards, by its number in `from`, is none of them.
     #[inline(always)]
-    pub(crate) fn may_hit<P: SimdWide>(
+    pub(super) fn may_hit<P: SimdWide>(
         &self,
         (o, d, t_max): (V3<P>, V3<P>, P),
         slabs: &PacketSlabs<P>,
@@ -177,7 +177,7 @@ impl AnalyticShapes {
     /// The rays that hit one of the shapes `which` at `0 < t <= t_max`, other than the ones that
     /// they leave from outwards or go to from outside.
     #[inline(always)]
-    pub(crate) fn occluded_by<P: SimdWide>(
+    pub(super) fn occluded_by<P: SimdWide>(
         &self,
         geometry: &Geometry,
         mut which: u64,
@@ -197,7 +197,7 @@ impl AnalyticShapes {
 
     /// [`AnalyticShapes::occluded_by`] for all of them, by way of the boxes around those that lie together.
     #[inline(always)]
-    pub(crate) fn occluded<P: SimdWide>(
+    pub(super) fn occluded<P: SimdWide>(
         &self,
         geometry: &Geometry,
         (o, d, t_max): (V3<P>, V3<P>, P),

@@ -9,7 +9,7 @@ use crate::geometry::{Cylinder, Sphere};
 use crate::math::simd::{Mask, SimdWide};
 use crate::math::{Frame, V3};
 
-/// Decisions keep clear of the surface by so many unit roundoffs of 1 + the origin's largest coordinate:
+/// Distance that decisions keep from the surface, as a multiple of 1 + the origin's largest coordinate:
 /// three times what those of this test and of the exact one add up to, for shapes of the scene, whose
 /// coordinates are within 1. The longest chain is that of the cylinder: an origin relative to the
 /// base, turned into its frame, and a step along a direction turned likewise, each within 12

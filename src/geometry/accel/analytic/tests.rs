@@ -1,5 +1,5 @@
 use super::*;
-use crate::geometry::{Cylinder, NO_QUAD, Ray, Sphere, offset_origin};
+use crate::geometry::{Cylinder, NO_SURFACE, Ray, Sphere, offset_origin};
 use crate::math::numbers::Numbers;
 use crate::math::simd::{Isa, Kernel, dispatch};
 use crate::scene::{Material, Scene, SceneBuilder};
@@ -193,7 +193,7 @@ impl Kernel for All<'_> {
     #[inline(always)]
     fn run<W: Simd8, P: SimdWide>(self) -> Self::Output {
         let All(scene, rays, ends) = self;
-        let (geometry, analytic) = (scene.geometry(), scene.bvh().analytic());
+        let (geometry, analytic) = (scene.geometry(), scene.bvh().analytic);
         let (mut nearest, mut shadows) = (vec![None; LANES], [0; 2]);
         for at in (0..LANES).step_by(P::WIDTH) {
             let (o, d) = load::<P>(rays, at);
@@ -238,8 +238,8 @@ fn rays_meet_what_each_meets_alone() {
             [o, target - o]
         });
         for isa in Isa::available() {
-            let (nearest, shadows) = dispatch(isa, All(&scene, &rays, [NO_QUAD; 2]));
-            let analytic: Vec<u32> = scene.bvh().analytic().primitives().collect();
+            let (nearest, shadows) = dispatch(isa, All(&scene, &rays, [NO_SURFACE; 2]));
+            let analytic: Vec<u32> = scene.bvh().analytic.primitives().collect();
             for (lane, [o, d]) in rays.iter().enumerate() {
                 let ray = Ray { o: *o, d: *d };
                 let mut best = (f32::INFINITY, None);
@@ -272,10 +272,10 @@ fn of_many_shapes_the_large_ones_are_taken() {
         b.sphere(numbers.point() * 3.0, radius, clay).unwrap();
     }
     let scene = b.build();
-    let taken: Vec<u32> = scene.bvh().analytic().primitives().collect();
+    let taken: Vec<u32> = scene.bvh().analytic.primitives().collect();
     assert_eq!(taken, [7, 27, 47, 67, 87]);
-    assert_eq!(scene.bvh().number_of(47), MAX_QUADS as u32 + 2);
-    assert_eq!(scene.bvh().number_of(48), NO_QUAD);
+    assert_eq!(scene.bvh().surface_id(47), MAX_QUADS as u32 + 2);
+    assert_eq!(scene.bvh().surface_id(48), NO_SURFACE);
     let (geometry, mut stack) = (scene.geometry(), scene.bvh().stack());
     let mut hits = 0;
     for _ in 0..20_000 {

@@ -23,9 +23,9 @@ use hull::Hull;
 use quad::{Line, Quad, Sides, Strip, Way, dot};
 
 /// A large quad that is none.
-pub(crate) const NO_QUAD: u32 = u32::MAX;
+pub(super) const NO_QUAD: u32 = u32::MAX;
 /// Most large quads of a scene.
-pub(crate) const MAX_QUADS: usize = 64;
+pub(super) const MAX_QUADS: usize = 64;
 /// Roundings of 1 + the origin's largest coordinate that decisions keep clear of, across a plane.
 const CLEARANCE: f32 = 64.0;
 /// What is this far to one side of a large quad does not hit it: several times the clearance above for
@@ -34,7 +34,7 @@ const ASIDE: f32 = 16.0 * CLEARANCE * UNIT_ROUNDOFF;
 
 /// All large quads of a scene.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Quads {
+pub(super) struct Quads {
     quads: Vec<Quad>,
     /// Those on the convex hull, and the same as one, where that is faster.
     outer: Vec<u32>,
@@ -69,22 +69,22 @@ impl Default for QuadPlanes {
 }
 
 /// What as many rays hit.
-pub(crate) struct QuadHits<P: SimdWide> {
+pub(super) struct QuadHits<P: SimdWide> {
     /// Distance, roughly; what it was at the start where nothing was hit.
-    pub(crate) t: P,
+    pub(super) t: P,
     /// How roughly.
-    pub(crate) within: P,
+    pub(super) within: P,
     /// [`NO_QUAD`] for none.
-    pub(crate) quad: P::Bits,
+    pub(super) quad: P::Bits,
     /// The triangle; without meaning where there is no large quad.
-    pub(crate) triangle: P::Bits,
+    pub(super) triangle: P::Bits,
     /// Where the exact test has to decide.
-    pub(crate) open: P::Mask,
+    pub(super) open: P::Mask,
 }
 
 impl Quads {
     /// Picks the large quads out of a scene.
-    pub(crate) fn new(geometry: &Geometry) -> Quads {
+    pub(super) fn new(geometry: &Geometry) -> Quads {
         let quads = select::pick(geometry);
         let mut quad_of: Vec<(u32, u32)> = (0..)
             .zip(&quads)
@@ -127,7 +127,7 @@ impl Quads {
     /// Which of the inner large quads may be hit on the way from a point to any point of a box, given by
     /// its corners: bit `i` for the `i`th of them. Coordinates are those of surfaces of the scene.
     #[inline(always)]
-    pub(crate) fn between<P: SimdWide>(&self, p: V3, [low, high]: [V3; 2]) -> u64 {
+    pub(super) fn between<P: SimdWide>(&self, p: V3, [low, high]: [V3; 2]) -> u64 {
         let (p_lanes, half) = (p.splat_lanes::<P>(), 0.5);
         let middle = ((low + high) * half).splat_lanes::<P>();
         let reach = ((high - low) * half).splat_lanes::<P>();
@@ -162,12 +162,12 @@ impl Quads {
 
     /// The bit that [`Quads::between`] has for a large quad, if it has one.
     #[inline(always)]
-    pub(crate) fn bit_of(&self, quad: u32) -> u64 {
+    pub(super) fn bit_of(&self, quad: u32) -> u64 {
         self.bits.get(quad as usize).copied().unwrap_or(0)
     }
 
     /// The triangles that belong to large quads, in order.
-    pub(in crate::geometry) fn triangles(&self) -> impl Iterator<Item = u32> {
+    pub(super) fn triangles(&self) -> impl Iterator<Item = u32> {
         self.quad_of.iter().map(|(triangle, _)| *triangle)
     }
 
@@ -179,7 +179,7 @@ impl Quads {
 
     /// The nearest large quads that rays hit, but for the one each leaves from.
     #[inline(always)]
-    pub(crate) fn closest<P: SimdWide>(
+    pub(super) fn closest<P: SimdWide>(
         &self,
         (o, d): (V3<P>, V3<P>),
         slabs: &PacketSlabs<P>,
@@ -248,7 +248,7 @@ impl Quads {
     /// Which of the rays certainly hit a large quad before `t_max`, other than the ones they leave from
     /// and go to, and which may. `between` says that all of them run from surface to surface.
     #[inline(always)]
-    pub(crate) fn occluded<P: SimdWide>(
+    pub(super) fn occluded<P: SimdWide>(
         &self,
         (o, d, t_max): (V3<P>, V3<P>, P),
         slabs: &PacketSlabs<P>,
@@ -276,7 +276,7 @@ impl Quads {
     /// [`Quads::occluded`] from surface to surface by those of the inner large quads alone that
     /// [`Quads::between`] has found.
     #[inline(always)]
-    pub(crate) fn occluded_by<P: SimdWide>(
+    pub(super) fn occluded_by<P: SimdWide>(
         &self,
         mut which: u64,
         o: V3<P>,

@@ -6,7 +6,7 @@ use crate::scene::builtin::Example;
 use std::sync::Arc;
 use std::{env, fs};
 
-/// A mesh with every kind of surface, walls that light each other, and a tree of lights, which alone asks
+/// A mesh with every kind of surface, walls that light each other, and a light tree, which alone asks
 /// the system's library for an angle. Few, for an emulated processor takes its time.
 const SCENES: [&str; 3] = ["default", "cornell", "lights"];
 

@@ -130,7 +130,7 @@ impl Walk<'_> {
         Ok(taken)
     }
 
-    /// So many numbers of a type.
+    /// A number of values of one type.
     fn copy(&mut self, number: Number, count: usize) -> Result<(), Damage> {
         let bytes = count.checked_mul(number.size()).ok_or(Damage::Short)?;
         let (taken, rest) = self.rest.split_at_checked(bytes).ok_or(Damage::Short)?;

@@ -91,7 +91,7 @@ fn number(value: &Property) -> Option<f64> {
     }
 }
 
-/// Takes the place of an index that names no vertex: there are never so many.
+/// Takes the place of an index that names no vertex: no file has that number of vertices.
 pub(super) const NO_VERTEX: u32 = u32::MAX;
 
 /// A list of indices as whole numbers; `None` if one of them is none.

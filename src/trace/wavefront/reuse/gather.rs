@@ -118,7 +118,7 @@ struct PairTerms {
     density: PairRow,
     /// BRDF and cosine at the primary vertex times the geometry; then over all densities.
     throughput: [PairRow; 3],
-    /// At the reuse vertex: BRDF in 1/sr and density in 1/sr of the asked and the sampled direction.
+    /// At the reuse vertex: BRDF in 1/sr and density in 1/sr of the direction to the sampled light and of that sampled from the BRDF.
     f: [[PairRow; 3]; 2],
     pdf: [PairRow; 2],
 }
@@ -376,7 +376,7 @@ impl ReuseVertex {
         if cos > 0.0 { over(self.light, cos, self.light_dir.1 + pdf) } else { Rgb::BLACK }
     }
 
-    /// The same for the sampled direction; light that was reflected there could not be asked for.
+    /// The same for the sampled direction; light that was reflected there cannot be found by light sampling.
     #[inline(always)]
     fn by_bsdf_sampling(&self, pdf: f32, cos: f32) -> Rgb {
         if pdf <= 0.0 {

@@ -84,7 +84,6 @@ pub(super) struct ReuseVertices {
     order: Vec<u32>,
     /// Which of the group see it, by bit.
     seen: Vec<u128>,
-    pending: visibility::PendingRays,
     /// What arrives from the sampled light, by place in the batch.
     pub(super) light: Vec<[f32; 3]>,
     /// What arrives from the sampled direction, by place in the batch: by emission, with the
@@ -111,7 +110,7 @@ struct Points {
     ng: Soa3,
     ns: Soa3,
     material: Soa<u32>,
-    quad: Soa<u32>,
+    surface_id: Soa<u32>,
 }
 
 /// Directions in the frame of the shading normal with their densities in 1/sr; 0 for none.
@@ -128,14 +127,14 @@ impl Points {
         at: usize,
         which: P::Mask,
         point: &SurfacePoint<P>,
-        [material, quad]: [P::Bits; 2],
+        [material, surface_id]: [P::Bits; 2],
     ) {
         self.p.push::<P>(at, which, point.p);
         self.error.push::<P>(at, which, point.error);
         self.ng.push::<P>(at, which, point.ng);
         self.ns.push::<P>(at, which, point.ns);
         self.material.push::<P>(at, which, material);
-        self.quad.push::<P>(at, which, quad);
+        self.surface_id.push::<P>(at, which, surface_id);
     }
 }
 
@@ -152,13 +151,13 @@ impl PrimaryVertices {
         point: &SurfacePoint<P>,
         wo: V3<P>,
         throughput: Rgb<P>,
-        [material, quad, lead]: [P::Bits; 3],
+        [material, surface_id, lead]: [P::Bits; 3],
     ) {
         let throughput = V3::new(throughput.r, throughput.g, throughput.b);
         match slots {
             None => {
                 let all = P::mask(u32::MAX);
-                self.point.push::<P>(at, all, point, [material, quad]);
+                self.point.push::<P>(at, all, point, [material, surface_id]);
                 self.wo.store(at, wo);
                 self.throughput.store(at, throughput);
                 self.lead.store::<P>(at, lead);
@@ -175,11 +174,11 @@ impl PrimaryVertices {
                 places.put(&mut self.throughput, throughput);
                 let mut words = [[0; 16]; 3];
                 P::store_bits(material, &mut words[0]);
-                P::store_bits(quad, &mut words[1]);
+                P::store_bits(surface_id, &mut words[1]);
                 P::store_bits(lead, &mut words[2]);
                 for (lane, slot) in places.each() {
                     self.point.material.0[slot] = words[0][lane];
-                    self.point.quad.0[slot] = words[1][lane];
+                    self.point.surface_id.0[slot] = words[1][lane];
                     self.lead.0[slot] = words[2][lane];
                     self.there.0[slot] = 1;
                 }
