@@ -193,7 +193,7 @@ impl Kernel for All<'_> {
     #[inline(always)]
     fn run<W: Simd8, P: SimdWide>(self) -> Self::Output {
         let All(scene, rays, ends) = self;
-        let (geometry, analytic) = (scene.geometry(), scene.bvh().analytic);
+        let (geometry, analytic) = (scene.geometry(), &scene.bvh().analytic);
         let (mut nearest, mut shadows) = (vec![None; LANES], [0; 2]);
         for at in (0..LANES).step_by(P::WIDTH) {
             let (o, d) = load::<P>(rays, at);

@@ -45,7 +45,7 @@ impl Kernel for QuickTest<'_> {
     type Output = Vec<Answer>;
     #[inline(always)]
     fn run<W: Simd8, P: SimdWide>(self) -> Vec<Answer> {
-        let (quads, geometry) = (self.scene.bvh().quads, self.scene.geometry());
+        let (quads, geometry) = (&self.scene.bvh().quads, self.scene.geometry());
         let mut answers = Vec::new();
         for rays in self.rays.chunks_exact(16) {
             for rays in rays.chunks_exact(P::WIDTH) {
@@ -104,7 +104,7 @@ impl Kernel for QuickTest<'_> {
 /// Rays from anywhere, from surfaces, and at the very edges and corners; some of them from
 /// surface to surface.
 fn rays(scene: &Scene, numbers: &mut Numbers) -> Vec<Segment> {
-    let (geometry, quads) = (scene.geometry(), scene.bvh().quads);
+    let (geometry, quads) = (scene.geometry(), &scene.bvh().quads);
     let count = geometry.faces().len();
     let mut rays = Vec::new();
     while rays.len() < 1 << 15 {
@@ -185,7 +185,7 @@ fn what_is_not_left_open_is_exactly_right() {
     let mut numbers = Numbers(7);
     for _ in 0..4 {
         let scene = room(&mut numbers);
-        let quads = scene.bvh().quads;
+        let quads = &scene.bvh().quads;
         assert!(quads.quads.len() > 20);
         assert!(quads.hull.is_some() && !quads.clusters.is_empty());
         check(&scene, &mut numbers);
@@ -209,7 +209,7 @@ fn faces_of_a_box_are_joined_and_its_hull_is_known() {
     b.cuboid(DVec3::ZERO, DVec3::ONE, clay).unwrap();
     b.cuboid(DVec3::splat(0.4), DVec3::splat(0.3), clay).unwrap();
     let scene = b.build();
-    let quads = scene.bvh().quads;
+    let quads = &scene.bvh().quads;
     assert_eq!(quads.quads.len(), 12);
     assert_eq!(quads.inner.len(), 6);
     assert_eq!(quads.triangles().collect::<Vec<_>>(), (0..24).collect::<Vec<_>>());
