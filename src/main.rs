@@ -4,6 +4,7 @@ mod cli;
 #[cfg(test)]
 #[path = "../tests/support/mutate.rs"]
 mod mutate;
+mod numbers;
 mod shell;
 #[cfg(feature = "viewer")]
 mod viewer;

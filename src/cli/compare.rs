@@ -1,6 +1,6 @@
 //! `burnish compare`: how far one picture is from another.
 
-use super::figures::significant;
+use super::numbers::significant;
 use super::outputs::{self, Failures};
 use super::{Failure, print, talk, values};
 use burnish::limits::fits;

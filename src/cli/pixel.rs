@@ -1,6 +1,6 @@
 //! `burnish pixel`: one sample of one pixel again.
 
-use super::figures::significant;
+use super::numbers::significant;
 use super::settings::{Settings, warn};
 use super::{Failure, misused, print, scene, values};
 use burnish::brdf::Model;

@@ -54,7 +54,7 @@ impl<L: Simd> V3<L> {
     pub fn normalize(self) -> Self {
         self * (L::splat(1.0) / self.length())
     }
-    /// Each component's absolute value.
+    /// The smaller of each pair of components.
     #[inline(always)]
     pub fn min(self, o: Self) -> Self {
         V3 { x: self.x.min(o.x), y: self.y.min(o.y), z: self.z.min(o.z) }

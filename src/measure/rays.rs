@@ -3,6 +3,7 @@
 use super::speed::Spread;
 use crate::geometry::{Geometry, Hit, Kind, Query, Ray, SurfacePoint, offset_origin};
 use crate::math::simd::U32;
+use crate::math::soa::BATCH;
 use crate::math::sobol::{Slot, Stream, mix, pair};
 use crate::math::{Frame, V3, warp};
 use crate::scene::{CameraRays, Scene};
@@ -51,7 +52,7 @@ pub struct RayRate {
 }
 
 /// Rays that are traced together.
-pub const TOGETHER: usize = 512;
+pub const TOGETHER: usize = BATCH;
 
 /// What is to be measured.
 #[derive(Clone, Copy, Debug)]
@@ -145,7 +146,7 @@ impl RayBench {
             }
             let hit = scene.bvh().closest(scene.geometry(), &ray, f32::INFINITY, &mut stack);
             let Some(hit) = hit else { continue };
-            let from = facing(scene.geometry().surface(&ray, &hit), ray.d);
+            let from = scene.geometry().surface(&ray, &hit).turned_to(-ray.d);
             let query = if kind == RayKind::Shadow && !lights.is_empty() {
                 shadow(scene.geometry(), &lights, &stream, &from)
             } else {
@@ -158,12 +159,6 @@ impl RayBench {
         rays.sort_by_key(|(place, _)| *place);
         rays.into_iter().map(|(_, query)| query).collect()
     }
-}
-
-/// The surface with its normals on the side that a ray comes from.
-fn facing(surface: SurfacePoint, d: V3) -> SurfacePoint {
-    let ng = if surface.ng.dot(d) > 0.0 { -surface.ng } else { surface.ng };
-    SurfacePoint { ng, ..surface }
 }
 
 fn leaving(from: &SurfacePoint, d: V3, t_max: f32) -> Query {

@@ -3,7 +3,7 @@
 mod random;
 mod whole;
 
-use super::figures::significant;
+use super::numbers::significant;
 use super::{Failure, print, say, values};
 use burnish::brdf::{Erratum, Model, Normals, Roughness};
 use burnish::measure::check::{Bound, Effort, Proof, Subject, prove};

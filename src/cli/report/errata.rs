@@ -2,7 +2,7 @@
 
 use super::table::Table;
 use super::{Repeats, Scenes, Threads};
-use crate::cli::figures::significant;
+use crate::cli::numbers::significant;
 use crate::cli::{Failure, print, say, scene, values};
 use burnish::brdf::{Erratum, Model};
 use burnish::measure::errata::{Bench, Effect};

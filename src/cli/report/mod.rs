@@ -2,6 +2,7 @@
 
 mod errata;
 mod latency;
+mod measured;
 mod profile;
 mod rays;
 mod scaling;

@@ -2,7 +2,7 @@
 
 use super::table::Table;
 use super::{Repeats, Threads};
-use crate::cli::figures::significant;
+use crate::cli::numbers::significant;
 use crate::cli::{Failure, print, say, stats, values};
 use burnish::measure::scaling::{Growth, Row, Scaling, ScalingError};
 use burnish::measure::speed::Fit;

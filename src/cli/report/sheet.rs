@@ -1,6 +1,6 @@
 //! `--csv`: every checkpoint of every repeat, a row each.
 
-use super::speed::Measured;
+use super::measured::Measured;
 use crate::cli::{Failure, values};
 use burnish::measure::error::{ALL, Measure};
 use burnish::picture::replace_file;

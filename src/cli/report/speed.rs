@@ -1,5 +1,6 @@
 //! `burnish report speed`: speed against error.
 
+use super::measured::Measured;
 use super::{Repeats, Scenes, Threads, sheet, table};
 use crate::cli::outputs::{self, Failures};
 use crate::cli::values::{self, Chosen, chosen};
@@ -7,9 +8,7 @@ use crate::cli::{Failure, print, say, scene, stats};
 use burnish::brdf::{Model, Normals};
 use burnish::measure::error::{REL_RMSE, Reference};
 use burnish::measure::plot::{Dot, Panel, PlotCurve, log_log};
-use burnish::measure::speed::{
-    Checkpoint, SpeedExperiment, SpeedPlan, SpeedStage, Summary, Truth, Variant,
-};
+use burnish::measure::speed::{Checkpoint, SpeedPlan, SpeedStage, Summary, Truth, Variant};
 use burnish::picture::{read_exr, replace_file};
 use burnish::plain;
 use burnish::progressive::{Params, Session, Strategy};
@@ -69,18 +68,6 @@ pub(super) struct Args {
     /// Plots the relative RMSE over the seconds as SVG.
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
-}
-
-/// What came of one scene.
-pub(super) struct Measured {
-    pub(super) scene: String,
-    pub(super) plan: SpeedPlan,
-    /// What was held to be right, in words.
-    pub(super) truth: String,
-    pub(super) experiment: SpeedExperiment,
-    pub(super) summaries: Vec<Summary>,
-    /// Most memory the program held so far, in MiB, where the system tells.
-    pub(super) peak_mib: Option<f64>,
 }
 
 /// Measures, prints and writes.

@@ -1,7 +1,7 @@
 //! The table on the terminal, and what its columns mean.
 
-use super::speed::Measured;
-use crate::cli::figures::significant;
+use super::measured::Measured;
+use crate::cli::numbers::significant;
 use crate::cli::values;
 use burnish::measure::error::{
     ALL, MSE, MSE_TRIMMED, REFERENCE_NOISE, REL_MSE, REL_MSE_TRIMMED, REL_RMSE, SCALE_FREE, SMAPE,

@@ -2,15 +2,7 @@
 
 /// A number with this many significant digits and no trailing noise: 98.63, 0.1414, 1.25e6.
 pub(crate) fn digits(value: f64, significant: usize) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return format!("{value}");
-    }
-    let exponent = value.abs().log10().floor() as i32;
-    if !(-4..7).contains(&exponent) {
-        return format!("{value:.*e}", significant - 1);
-    }
-    let decimals = (significant as i32 - 1 - exponent).max(0) as usize;
-    format!("{value:.decimals$}")
+    crate::numbers::significant(value, significant, -4..7)
 }
 
 /// A part of one: 23.4 %, 1.81 %.
@@ -57,6 +49,7 @@ mod tests {
             (123456.0, "123456"),
             (1e-4, "0.0001000"),
             (2e8 - 2.0, "2.000e8"),
+            (9.99996, "10.00"),
             (f64::INFINITY, "inf"),
         ] {
             assert_eq!(digits(value, 4), text);
