@@ -1,6 +1,9 @@
 //! The walls of the house: who may know whom, and the one place of each foreign crate. And its map:
 //! what pages for readers name has to exist.
 
+#[path = "house/cycles.rs"]
+mod cycles;
+
 use burnish::brdf::Model;
 use burnish::scene::builtin::EXAMPLES;
 use std::fs;

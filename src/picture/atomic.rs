@@ -1,56 +1,11 @@
 //! Files appear whole or not at all.
 
-use crate::plain;
+use super::SaveError;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tempfile::NamedTempFile;
-use thiserror::Error;
-
-/// A file that could not be written. What was there before is untouched.
-#[derive(Debug, Error)]
-pub enum SaveError {
-    /// The name does not say what kind of picture is wanted.
-    #[error("{}: unknown kind of picture; end the name in {}", plain::path(.0), super::Format::NAMES)]
-    Format(PathBuf),
-    /// The folder is missing, or nothing can be made in it.
-    #[error("{}: cannot write in the folder {}: {source}; choose a folder that exists and that \
-             you may write to", plain::path(.path), plain::path(.folder))]
-    Folder {
-        /// The file asked for.
-        path: PathBuf,
-        /// Where it would have been.
-        folder: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
-    /// The path names a folder or a device.
-    #[error("{}: is not an ordinary file; give the name of a file", plain::path(.0))]
-    NotAFile(PathBuf),
-    /// The path is a symbolic link to a place where nothing is.
-    #[error("{}: is a symbolic link to {}, which is not there; name that file, or remove the link",
-            plain::path(.path), plain::path(.to))]
-    Dangling {
-        /// The link.
-        path: PathBuf,
-        /// Where it leads.
-        to: PathBuf,
-    },
-    /// The file is there and may not be written.
-    #[error("{}: is write-protected; remove the protection or choose another name", plain::path(.0))]
-    Protected(PathBuf),
-    /// Writing failed on the way, such as on a full disk.
-    #[error(
-        "{}: could not be written: {source}; what was there before is untouched", plain::path(.path)
-    )]
-    Write {
-        /// The file asked for.
-        path: PathBuf,
-        /// What the system or the encoder said.
-        source: io::Error,
-    },
-}
 
 /// Anything that can be written to and moved about in, as encoders want it.
 pub trait Sink: Write + Seek {}

@@ -6,7 +6,6 @@
 //! against the length of the file before anything is allocated.
 
 use super::Picture;
-use super::files::SAMPLES_PART;
 use super::primaries::{Primaries, REC_709};
 use crate::limits::{Bytes, EXR_EXPANSION, EXR_FREE_BYTES, PICTURE_SIDE, fits};
 use exr::block::UncompressedBlock;
@@ -19,6 +18,11 @@ use std::io::{BufReader, Read, Seek};
 
 /// Largest width and height that is read: the largest that is rendered.
 pub(super) const LARGEST_SIDE: usize = PICTURE_SIDE as usize;
+
+/// Names of the parts of an OpenEXR file that has more than the picture: this, and how many samples
+/// each pixel is made of.
+pub(super) const COLOUR_PART: &str = "rgb";
+pub(super) const SAMPLES_PART: &str = "samples";
 
 /// What was read and what is to be told about it.
 #[derive(Clone, Debug, PartialEq)]

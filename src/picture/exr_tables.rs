@@ -3,8 +3,8 @@
 //! The format knows 32-bit whole numbers and no wider ones, so that wider ones are several
 //! channels. The picture is the first part: programs that know nothing of the others show it.
 
-use super::exr_file::{self, part_name};
-use super::files::{COLOUR_PART, exr_error, open_exr, software, text};
+use super::exr_file::{self, COLOUR_PART, part_name};
+use super::files::{exr_error, open_exr, software, text};
 use super::{Picture, ReadError, SaveError, Sink, replace_file};
 use crate::limits::{Bytes, EXR_EXPANSION, EXR_FREE_BYTES, fits};
 use exr::block::reader::{ChunksReader, Reader};

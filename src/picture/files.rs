@@ -1,7 +1,7 @@
 //! PNG and OpenEXR files.
 
-use super::exr_file::{self, LARGEST_SIDE, ReadPicture};
-use super::{Codes, Picture, SaveError, Sink, Tone, replace_file};
+use super::exr_file::{self, COLOUR_PART, LARGEST_SIDE, ReadPicture, SAMPLES_PART};
+use super::{Codes, Format, Picture, SaveError, Sink, Tone, replace_file};
 use crate::limits::TEXT_BYTES;
 use crate::plain;
 use exr::meta::attribute::{AttributeValue, Text};
@@ -14,30 +14,6 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
-
-/// The kinds of file that pictures are written as.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// 8-bit sRGB, tone-mapped and dithered: for looking at.
-    Png,
-    /// OpenEXR with the radiance itself in channels R, G, B, 32-bit float, linear Rec. 709: for
-    /// measuring. Neither exposure nor curve goes into it.
-    Exr,
-}
-
-impl Format {
-    /// What a file's name may end in.
-    pub const NAMES: &str = ".png (8-bit sRGB) or .exr (linear 32-bit float)";
-
-    /// By the extension of the file's name, in upper or lower case.
-    pub fn of(path: &Path) -> Result<Format, SaveError> {
-        match path.extension().map(|e| e.to_ascii_lowercase()) {
-            Some(e) if e == "png" => Ok(Format::Png),
-            Some(e) if e == "exr" => Ok(Format::Exr),
-            _ => Err(SaveError::Format(path.to_path_buf())),
-        }
-    }
-}
 
 /// A picture file that could not be read.
 #[derive(Debug, Error)]
@@ -75,11 +51,6 @@ pub enum ReadError {
 const SOFTWARE: &str = concat!("burnish ", env!("CARGO_PKG_VERSION"));
 /// What the recipe is called: the keyword of an iTXt chunk, or the name of an EXR attribute.
 const RECIPE: &str = "burnish";
-/// Names of the parts of an OpenEXR file that has more than the picture: this, and how many samples
-/// each pixel is made of.
-pub(super) const COLOUR_PART: &str = "rgb";
-pub(super) const SAMPLES_PART: &str = "samples";
-
 /// The program, as it stands in files.
 pub(super) fn software() -> Text {
     text(SOFTWARE)

@@ -7,21 +7,21 @@ mod exr_file;
 mod exr_parts;
 mod exr_tables;
 mod files;
+mod format;
 mod letters;
 mod neutral;
 mod primaries;
 pub mod sheet;
 mod tone;
 
-pub use atomic::{SaveError, Sink, check_writable, replace_file};
+pub use atomic::{Sink, check_writable, replace_file};
 pub use codes::{Codes, Place};
 pub use exr_file::ReadPicture;
 pub use exr_parts::{Part, write_parts};
 pub use exr_tables::{Fill, ReadTable, ReadTables, Table, read_tables, write_with_tables};
-pub use files::{
-    Format, ReadError, contents, read_exr, read_exr_part, read_recipe, read_recipe_of,
-};
 pub use files::{FoundRecipe, write, write_codes, write_with_recipe, write_with_samples};
+pub use files::{ReadError, contents, read_exr, read_exr_part, read_recipe, read_recipe_of};
+pub use format::{Format, SaveError};
 pub use letters::Face;
 pub use tone::{Curve, NAN_COLOUR, Tone};
 

@@ -6,7 +6,7 @@
 //! that equal parameters decide alike on any machine, however busy it is. The samples are thrown away:
 //! the decision depends on them, so the picture must not.
 
-use super::Params;
+use super::{Params, ParamsError};
 use crate::film::REL_MSE_FLOOR;
 use crate::math::Rgb;
 use crate::trace::{
@@ -56,7 +56,17 @@ pub(super) fn tasks() -> Vec<TrialTask> {
     (0..BATCHES).flat_map(|which| trials().map(move |trial| TrialTask { which, trial })).collect()
 }
 
-/// How many paths share with these parameters, where the group need not be selected by trials.
+impl Params {
+    /// How many neighbouring paths share in a picture of these: as many as [`Params::group`] says,
+    /// or else as many as a selection of the group finds best, which takes some milliseconds.
+    pub fn decide_group(&self) -> Result<ReuseGroup, ParamsError> {
+        self.check()?;
+        let tracer = self.tracer();
+        Ok(decide(self, &tracer, &mut tracer.scratch()))
+    }
+}
+
+/// How many paths share with these parameters, where no selection of the group is asked.
 pub(super) fn without(params: &Params, tracer: &Tracer) -> Option<ReuseGroup> {
     if tracer.shares() { params.group } else { Some(ReuseGroup::None) }
 }

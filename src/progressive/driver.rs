@@ -4,10 +4,10 @@
 mod tests;
 
 use super::accumulator::{Accumulator, AccumulatorCache};
+use super::control::{Progress, Work};
 use super::epoch::{Epoch, failure};
-use super::session::Progress;
 use super::turn::Turn;
-use super::work::{Store, Work, Workers};
+use super::work::{Store, Workers};
 use super::{Counts, Experiment, Params, State};
 use crate::film::Film;
 use crate::trace::ReuseGroup;
@@ -76,7 +76,7 @@ impl Driver {
     pub(super) fn drive(mut self) {
         loop {
             self.cache.set_limit(self.workers.shared.keep());
-            self.workers.shared.tell_kept(self.cache.size());
+            self.workers.shared.set_kept(self.cache.size());
             match self.next() {
                 Work::Stop => return,
                 Work::Keep => self.keep(),

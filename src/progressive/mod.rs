@@ -2,6 +2,7 @@
 
 mod accumulator;
 mod choose_group;
+mod control;
 mod driver;
 mod epoch;
 mod experiment;
@@ -23,6 +24,7 @@ mod work;
 
 pub use crate::film::{ErrorEstimate, Figure, Interval};
 pub use crate::trace::Strategy;
+pub use control::Options;
 pub use experiment::{Difference, Experiment, ExperimentError, Goal};
 pub use params::{Params, ParamsError};
 pub use parts::part;
@@ -31,7 +33,7 @@ pub use recipe::{
     ErrorRecipe, FileRecipe, MaterialRecipe, Recipe, RecipeError, SceneRecipe, ToneRecipe,
 };
 pub use replay::{Replay, Sample};
-pub use session::{KeptPictures, Options, Session, render};
+pub use session::{KeptPictures, Session, render};
 pub use sheet::{Sheet, SheetError, SheetProgress, TracedCell, TracedSheet};
 pub use snapshot::{Counts, Snapshot, State, TILE, TileGrid, TileImage, TileRect};
 pub use stop::StopRule;

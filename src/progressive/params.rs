@@ -1,6 +1,5 @@
 //! Everything that a picture depends on.
 
-use super::{Session, choose_group};
 use crate::brdf::{Erratum, Model, Normals, Roughness};
 use crate::film::Film;
 use crate::limits::{PICTURE_SIDE, TooLarge, fits};
@@ -9,6 +8,9 @@ use crate::scene::{Camera, Material, Scene};
 use crate::trace::{Integrator, Method, ReuseGroup, Strategy, Tracer};
 use std::sync::Arc;
 use thiserror::Error;
+
+/// Largest number of passes.
+pub(super) const MAX_PASSES: u64 = 1 << 32;
 
 /// Everything that the pixels depend on: two renders of equal `Params` and passes have the same
 /// bits, on any number of threads. A change of any field starts a new epoch.
@@ -46,7 +48,7 @@ pub struct Params {
     pub uniform: bool,
     /// The number of the first pass: 0 but where a picture is rendered in parts, each of which has some of
     /// the passes. A multiple of 4, so that every part is assigned to the replicates in the same turn, of at
-    /// most [`Session::MAX_PASSES`]; only where passes are uniform can it be another than 0.
+    /// most [`Session::MAX_PASSES`](super::Session::MAX_PASSES); only where passes are uniform can it be another than 0.
     pub first_pass: u64,
 }
 
@@ -72,7 +74,7 @@ pub enum ParamsError {
     Depth,
     /// A first pass that parts cannot begin with.
     #[error("the first pass must be 0 or, where passes are uniform, a multiple of {REPLICATES} up to {max}, not {0}",
-            max = Session::MAX_PASSES)]
+            max = MAX_PASSES)]
     FirstPass(u64),
     /// The worker threads could not be started.
     #[error("could not start {threads} worker threads: {reason}")]
@@ -138,14 +140,6 @@ impl Params {
         )
     }
 
-    /// How many neighbouring paths share in a picture of these: as many as [`Params::group`] says,
-    /// or else as many as a selection of the group finds best, which takes some milliseconds.
-    pub fn decide_group(&self) -> Result<ReuseGroup, ParamsError> {
-        self.check()?;
-        let tracer = self.tracer();
-        Ok(choose_group::decide(self, &tracer, &mut tracer.scratch()))
-    }
-
     /// Whether these can be rendered.
     pub fn check(&self) -> Result<(), ParamsError> {
         let [w, h] = self.size;
@@ -161,7 +155,7 @@ impl Params {
             return Err(ParamsError::Depth);
         }
         let first = self.first_pass;
-        let possible = first.is_multiple_of(REPLICATES as u64) && first <= Session::MAX_PASSES;
+        let possible = first.is_multiple_of(REPLICATES as u64) && first <= MAX_PASSES;
         if first > 0 && !(self.uniform && possible) {
             return Err(ParamsError::FirstPass(first));
         }
@@ -190,7 +184,7 @@ impl Params {
     /// of it. Where passes have no end that is known it is what it takes as it begins.
     pub(super) fn bytes_after(&self, passes: u64) -> u64 {
         const REST: u64 = 5 * size_of::<[f32; 3]>() as u64;
-        let passes = if passes < Session::MAX_PASSES { passes } else { 1 };
+        let passes = if passes < MAX_PASSES { passes } else { 1 };
         let pixel = Film::pixel_bytes(self.brightest(), passes) + REST;
         u64::from(self.size[0]) * u64::from(self.size[1]) * pixel
     }

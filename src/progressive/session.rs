@@ -1,16 +1,15 @@
 //! Worker threads behind a handle.
 
+use super::control::{Options, Shared, millis};
 use super::driver::{Driver, Start};
 use super::mailbox::Mailbox;
-use super::turn::{Role, Turn};
-use super::work::{Work, Workers};
+use super::params::MAX_PASSES;
+use super::work::Workers;
 use super::{Experiment, ExperimentError, Params, ParamsError, Snapshot, State};
 use crate::scene::Scene;
 use crossbeam_channel::{Receiver, bounded};
-use std::fmt;
-use std::mem::take;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -41,20 +40,6 @@ pub struct Session {
     driver: Option<JoinHandle<()>>,
 }
 
-/// How a session divides its time.
-#[derive(Clone, Copy, Debug)]
-pub struct Options {
-    /// Worker threads; 0 for one a core.
-    pub threads: usize,
-    /// Show coarse blocks ahead of the first pass of every epoch.
-    pub preview: bool,
-    /// Shortest time between two snapshots, those at a change of state excepted.
-    pub interval: Duration,
-    /// Bytes of memory for pictures of other parameters, which go on from where they were when these
-    /// are set again.
-    pub keep: u64,
-}
-
 /// Pictures kept of other parameters than the present ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct KeptPictures {
@@ -64,81 +49,9 @@ pub struct KeptPictures {
     pub bytes: u64,
 }
 
-impl Options {
-    /// For a window: coarse first, thirty snapshots a second.
-    pub fn interactive(threads: usize) -> Options {
-        Options { threads, preview: true, interval: Duration::from_millis(33), keep: 0 }
-    }
-    /// For a file: no preview, few snapshots.
-    pub fn headless(threads: usize) -> Options {
-        Options { threads, preview: false, interval: Duration::from_millis(500), keep: 0 }
-    }
-}
-
-/// What is to be rendered.
-#[derive(Debug)]
-struct Wanted {
-    params: Params,
-    /// Whether what there is of the parameters before is to be thrown away.
-    discard: bool,
-    /// To be compared with it.
-    beside: Option<Params>,
-    /// While there is nothing else to do, the first first.
-    background: Vec<Params>,
-}
-
-/// What the handle tells the workers. The counters are written under the lock of `wanted`, and
-/// read without it once a batch of paths.
-#[derive(Debug)]
-pub(super) struct Shared {
-    wanted: Mutex<Wanted>,
-    changed: Condvar,
-    /// Counts the orders of every kind.
-    orders: AtomicU64,
-    epoch: AtomicU64,
-    /// Number of the picture beside the shown one; counts up with every other one that is wanted.
-    beside: AtomicU64,
-    limit: AtomicU64,
-    paused: AtomicBool,
-    stopped: AtomicBool,
-    /// Whether there are wishes.
-    wished: AtomicBool,
-    wishes: Wishes,
-    /// Shortest time between two snapshots, in milliseconds.
-    interval: AtomicU64,
-    /// Bytes for accumulators that are not in use.
-    keep: AtomicU64,
-    /// Their number and the bytes that they hold.
-    kept: [AtomicU64; 2],
-}
-
-/// How far the driver is.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Progress {
-    /// Of the picture that is shown.
-    pub(super) epoch: u64,
-    pub(super) passes: u64,
-    pub(super) failed: bool,
-    /// Number of the picture beside it that the driver knows, and its passes if there is one that can
-    /// be traced.
-    pub(super) beside: u64,
-    pub(super) beside_passes: Option<u64>,
-}
-
-/// What is to be done with the picture that is shown, as it is.
-#[derive(Default)]
-struct Wishes(Mutex<Vec<Wish>>);
-pub(super) type Wish = Box<dyn FnOnce(&mut Experiment) + Send>;
-
-impl fmt::Debug for Wishes {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("Wishes")
-    }
-}
-
 impl Session {
     /// Largest pass limit.
-    pub const MAX_PASSES: u64 = 1 << 32;
+    pub const MAX_PASSES: u64 = MAX_PASSES;
 
     /// Starts `threads` workers (0 for one a core). `notify` is called from a worker whenever a
     /// new snapshot waits; it must not block.
@@ -238,7 +151,7 @@ impl Session {
             self.shared.beside.fetch_add(1, Ordering::Release);
         }
         let number = self.shared.beside.load(Ordering::Acquire);
-        self.shared.tell_with(wanted);
+        self.shared.signal(wanted);
         Ok(number)
     }
 
@@ -248,7 +161,7 @@ impl Session {
         let mut wanted = self.shared.lock();
         if wanted.background != params {
             wanted.background = params;
-            self.shared.tell_with(wanted);
+            self.shared.signal(wanted);
         }
     }
 
@@ -318,10 +231,6 @@ impl Session {
     }
 }
 
-fn millis(interval: Duration) -> u64 {
-    u64::try_from(interval.as_millis()).unwrap_or(u64::MAX)
-}
-
 impl Drop for Session {
     fn drop(&mut self) {
         self.shared.apply(|shared| shared.stopped.store(true, Ordering::Release));
@@ -330,164 +239,6 @@ impl Drop for Session {
             let _ = driver.join();
         }
     }
-}
-
-impl Shared {
-    pub(super) fn new(params: Params, limit: u64, options: Options) -> Shared {
-        let wanted = Wanted { params, discard: false, beside: None, background: Vec::new() };
-        Shared {
-            wanted: Mutex::new(wanted),
-            changed: Condvar::new(),
-            orders: AtomicU64::new(0),
-            epoch: AtomicU64::new(1),
-            beside: AtomicU64::new(0),
-            limit: AtomicU64::new(limit.clamp(1, Session::MAX_PASSES)),
-            paused: AtomicBool::new(false),
-            stopped: AtomicBool::new(false),
-            wished: AtomicBool::new(false),
-            wishes: Wishes::default(),
-            interval: AtomicU64::new(millis(options.interval)),
-            keep: AtomicU64::new(options.keep),
-            kept: Default::default(),
-        }
-    }
-
-    pub(super) fn pause(&self, paused: bool) {
-        self.apply(|shared| shared.paused.store(paused, Ordering::Release));
-    }
-
-    fn lock(&self) -> MutexGuard<'_, Wanted> {
-        self.wanted.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn apply(&self, what: impl FnOnce(&Shared)) {
-        let guard = self.lock();
-        what(self);
-        self.tell_with(guard);
-    }
-
-    fn tell_with(&self, guard: MutexGuard<'_, Wanted>) {
-        self.orders.fetch_add(1, Ordering::Release);
-        drop(guard);
-        self.changed.notify_all();
-    }
-
-    fn next_epoch(&self, guard: MutexGuard<'_, Wanted>) -> u64 {
-        let epoch = self.epoch.load(Ordering::Acquire) + 1;
-        self.epoch.store(epoch, Ordering::Release);
-        self.tell_with(guard);
-        epoch
-    }
-
-    /// Whether something is to be done with the picture that is shown.
-    pub(super) fn is_wished(&self) -> bool {
-        self.wished.load(Ordering::Acquire)
-    }
-
-    /// What that is; nothing is left.
-    pub(super) fn wishes(&self) -> Vec<Wish> {
-        let mut wishes = self.wishes.0.lock().unwrap_or_else(PoisonError::into_inner);
-        self.wished.store(false, Ordering::Release);
-        take(&mut *wishes)
-    }
-
-    /// Shortest time between two snapshots.
-    pub(super) fn interval(&self) -> Duration {
-        Duration::from_millis(self.interval.load(Ordering::Relaxed))
-    }
-
-    /// Passes to stop at.
-    pub(super) fn limit(&self) -> u64 {
-        self.limit.load(Ordering::Acquire)
-    }
-
-    /// Bytes for accumulators that are not in use.
-    pub(super) fn keep(&self) -> u64 {
-        self.keep.load(Ordering::Acquire)
-    }
-
-    /// Lets the handle know of accumulators that are not in use: how many, and their bytes.
-    pub(super) fn tell_kept(&self, size: [u64; 2]) {
-        self.kept.iter().zip(size).for_each(|(place, n)| place.store(n, Ordering::Relaxed));
-    }
-
-    /// Number of the picture that is to be beside the shown one.
-    pub(super) fn beside(&self) -> u64 {
-        self.beside.load(Ordering::Acquire)
-    }
-
-    /// Whether paths of this turn may still be traced.
-    pub(super) fn goes_on(&self, turn: Turn) -> bool {
-        let paused = turn.role != Role::Background && self.paused.load(Ordering::Acquire);
-        self.is_wanted(turn) && !paused
-    }
-
-    /// Whether what is being traced is still to be done, be it later. Where not, it is done when its
-    /// accumulator has another turn.
-    pub(super) fn is_wanted(&self, turn: Turn) -> bool {
-        let due = match turn.role {
-            Role::Shown => self.epoch.load(Ordering::Acquire) == turn.epoch,
-            Role::Beside | Role::Background => self.orders.load(Ordering::Acquire) == turn.orders,
-        };
-        due && !self.stopped.load(Ordering::Acquire)
-    }
-
-    /// Waits until there is something to do for a driver that is so far. `idle` is called with the
-    /// reason when the picture that is shown is at rest; `there` tells the passes that there are of
-    /// other parameters, if more can be kept of these.
-    pub(super) fn wait(
-        &self,
-        at: Progress,
-        mut idle: impl FnMut(State),
-        there: impl Fn(&Params) -> Option<u64>,
-    ) -> Work {
-        let mut wanted = self.lock();
-        loop {
-            let (epoch, beside) = (self.epoch.load(Ordering::Acquire), self.beside());
-            let turn = |role| {
-                let number = if role == Role::Beside { beside } else { epoch };
-                Turn { role, epoch: number, orders: self.orders.load(Ordering::Acquire) }
-            };
-            let (limit, paused) = (self.limit(), self.paused.load(Ordering::Acquire));
-            if self.stopped.load(Ordering::Acquire) {
-                return Work::Stop;
-            } else if epoch != at.epoch {
-                let discard = std::mem::take(&mut wanted.discard);
-                return Work::Start(turn(Role::Shown), Box::new(wanted.params.clone()), discard);
-            } else if beside != at.beside {
-                let params = wanted.beside.clone().map(Box::new);
-                return Work::StartBeside(turn(Role::Beside), params);
-            } else if self.is_wished() {
-                return Work::Keep;
-            }
-            let shown = (!at.failed && !paused && at.passes < limit).then_some(at.passes);
-            let other = at.beside_passes.filter(|&passes| !paused && passes < limit);
-            match (shown, other) {
-                (Some(a), Some(b)) if b < a => {
-                    return Work::Beside(turn(Role::Beside), yield_at(a));
-                }
-                (Some(_), Some(b)) => return Work::Shown(turn(Role::Shown), yield_at(b)),
-                (Some(_), None) => return Work::Shown(turn(Role::Shown), u64::MAX),
-                (None, Some(_)) => return Work::Beside(turn(Role::Beside), u64::MAX),
-                (None, None) => {}
-            }
-            if !at.failed {
-                idle(if at.passes >= limit { State::Done } else { State::Paused });
-                let far = limit.min(at.passes);
-                let next = wanted.background.iter().find(|p| there(p).is_some_and(|n| n < far));
-                if let Some(params) = next {
-                    return Work::Background(turn(Role::Background), Box::new(params.clone()));
-                }
-            }
-            wanted = self.changed.wait(wanted).unwrap_or_else(PoisonError::into_inner);
-        }
-    }
-}
-
-/// Passes at which a picture leaves the workers to another that has as many: the two are to look as
-/// if they were traced at once.
-fn yield_at(passes: u64) -> u64 {
-    passes + (passes / 16).clamp(1, 16)
 }
 
 /// Renders `passes` passes and returns the finished picture: the way without a window.

@@ -4,14 +4,15 @@
 mod tests;
 
 use super::accumulator::whole_passes;
+use super::control::{Options, Shared};
 use super::epoch::{Epoch, Own};
 use super::first_hits::FirstHitCache;
 use super::mailbox::Mailbox;
 use super::sample_buffer::SampleBuffer;
-use super::session::{Options, Shared};
-use super::turn::{Role, Turn};
+use super::turn::Role;
 use super::{Counts, Params, ParamsError, State, TILE, choose_group, plan};
 use crate::film::Film;
+use crate::math::soa::BATCH as PATHS;
 use crate::trace::{BatchOptions, FirstHits, PixelGrouping, ReuseGroup, Scratch};
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -26,7 +27,7 @@ const BATCH: u64 = 16;
 /// loses, and how often the picture shows what is new. No sum depends on it.
 const WAVE_TIME: Duration = Duration::from_millis(50);
 /// Fewest and most samples of that, for one worker and for all.
-const WAVE_LEAST: u64 = 8 * 512;
+const WAVE_LEAST: u64 = 8 * PATHS as u64;
 const WAVE_MOST: u64 = 1 << 18;
 
 /// A preview has as many paths as the last one traced in this time, so that it stands within a
@@ -52,24 +53,6 @@ impl Default for Store {
         let (sample_buffer, first_hits) = (SampleBuffer::default(), FirstHitCache::default());
         Store { sample_buffer, preview_paths: PREVIEW_PATHS, first_hits }
     }
-}
-
-/// What a driver is to do next.
-pub(super) enum Work {
-    Stop,
-    /// Does what was wished with the experiment that is shown.
-    Keep,
-    /// Shows a picture of other parameters, or of the same ones anew; whether what was shown is to be
-    /// thrown away.
-    Start(Turn, Box<Params>, bool),
-    /// Has a picture of these beside it, or none.
-    StartBeside(Turn, Option<Box<Params>>),
-    /// Traces, up to this number of passes.
-    Shown(Turn, u64),
-    /// The same of the picture beside.
-    Beside(Turn, u64),
-    /// Traces a picture of these as long as nothing else is wanted.
-    Background(Turn, Box<Params>),
 }
 
 /// Passes that are traced at once, and what is kept of the first one.
@@ -320,7 +303,7 @@ impl Workers {
         });
         if whole && batches > 0 {
             let waves = start.elapsed().as_secs_f64() / WAVE_TIME.as_secs_f64();
-            let samples = 512.0 * batches as f64 / waves.max(1e-6);
+            let samples = (PATHS * batches) as f64 / waves.max(1e-6);
             self.wave.store(samples as u64, Ordering::Relaxed);
         }
         if whole {

@@ -1,43 +1,17 @@
-//! From what a reader found, in world units and f64, to a validated [`Scene`] in f32.
+//! Collects what a reader found, in world units and f64, and checks it.
 
-use super::doubles::{Doubles, FirstPlaces, Origin};
+mod build;
+
+use super::doubles::Origin;
+use super::mesh::{MAX_COORDINATE, Mesh};
 use super::normals::{self, NormalCounts, face_normal};
-use super::read::text::shown;
 use super::weld::weld;
-use super::{Camera, Light, Material, MaterialId, Placement, Scene, SceneCounts, Source};
-use crate::geometry::{Bvh, Cylinder, Face, Geometry, PrimitiveRange, Sphere, Vertex};
-use crate::limits::{TRIANGLES as MAX_TRIANGLES, TooLarge, fits};
-use crate::math::V3;
+use super::{Camera, Material, MaterialId, Source};
+use crate::limits::{TRIANGLES as MAX_TRIANGLES, TooLarge};
 use crate::plain::number;
 use glam::{DAffine3, DVec3};
 use std::ops::Range;
 use thiserror::Error;
-
-/// A triangle mesh as a file holds it: model space, not yet placed.
-#[derive(Clone, Debug, Default)]
-pub struct Mesh {
-    /// Vertex positions.
-    pub positions: Vec<DVec3>,
-    /// One normal a vertex, of any length, or empty: then they are made, by `smoothing`. A zero or
-    /// non-finite one falls back to the face's.
-    pub normals: Vec<DVec3>,
-    /// Three indices into `positions` a triangle. Indices out of range drop the triangle.
-    pub triangles: Vec<[u32; 3]>,
-    /// How normals are made where none are given: one a triangle, or empty, where nothing is said.
-    pub smoothing: Vec<Smooth>,
-}
-
-/// How a face's normals are made where a file gives none.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Smooth {
-    /// Smooth over shared vertices across edges whose faces meet below 45 degrees.
-    #[default]
-    Unsaid,
-    /// The face's own normal.
-    Flat,
-    /// Smooth over shared vertices within the group of this number.
-    Group(u32),
-}
 
 /// What became of a mesh's triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -90,18 +64,8 @@ pub enum ShapeError {
     Memory(#[from] TooLarge),
 }
 
-/// Largest coordinate accepted, in world units.
-pub const MAX_COORDINATE: f64 = 1e18;
-
 /// Triangles that are added before the system is asked again whether there is room.
 const ROOM: usize = 1 << 17;
-// Bytes that shapes take at most, measured on meshes of a million triangles: until the scene is
-// built, and while it is.
-const PLACED_TRIANGLE: u64 = 40;
-const PLACED_VERTEX: u64 = 72;
-const BUILT_TRIANGLE: u64 = 260;
-const BUILT_VERTEX: u64 = 36;
-const BUILT_ANALYTIC: u64 = 640;
 
 /// Collects shapes in world space; [`SceneBuilder::build`] makes the scene of them.
 ///
@@ -151,14 +115,6 @@ pub struct SceneBuilder {
     settled: bool,
     /// There is memory for this number of triangles.
     roomy: usize,
-}
-
-/// What there is to tell about the shapes of a scene as a whole.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Remarks {
-    /// Each with its line.
-    pub(super) warnings: Vec<(Option<usize>, String)>,
-    pub(super) notes: Vec<String>,
 }
 
 impl SceneBuilder {
@@ -383,183 +339,6 @@ impl SceneBuilder {
         self.groups.extend(groups.into_iter().map(|(range, origin)| (within(range), origin)));
         Ok(counts)
     }
-
-    /// Whether there is memory for a scene of what is there and `times` a mesh.
-    pub(super) fn has_room(&self, times: u64, mesh: &Mesh) -> Result<(), TooLarge> {
-        let new = |n: usize, each: u64| times.saturating_mul(n as u64).saturating_mul(each);
-        let held = PLACED_TRIANGLE + BUILT_TRIANGLE;
-        let need = new(mesh.triangles.len(), held)
-            .saturating_add(new(mesh.positions.len(), PLACED_VERTEX + BUILT_VERTEX))
-            .saturating_add(self.build_bytes());
-        fits(need, || "the scene".to_owned())
-    }
-
-    /// Bytes that [`SceneBuilder::build`] takes beside what is held already.
-    fn build_bytes(&self) -> u64 {
-        let analytic = self.spheres.len() + self.cylinders.len();
-        self.triangles.len() as u64 * BUILT_TRIANGLE
-            + self.positions.len() as u64 * BUILT_VERTEX
-            + analytic as u64 * BUILT_ANALYTIC
-    }
-
-    /// [`SceneBuilder::build`] if there is the memory for it: refused before it is begun, with what
-    /// it would need.
-    pub fn try_build(self) -> Result<Scene, TooLarge> {
-        let shapes = self.shapes();
-        fits(self.build_bytes(), || format!("{}: a scene of {shapes} shapes", self.name))?;
-        Ok(self.build())
-    }
-
-    /// Leaves out what coincides with a surface in front of it. Returns what there is to tell about
-    /// that, and about how meshes came by their normals; the readers put it into their report.
-    pub(super) fn settle(&mut self) -> Remarks {
-        let mut remarks = Remarks::default();
-        if !self.settled {
-            let doubles = self.drop_doubles();
-            self.duplicates += doubles.count;
-            let named = |material: MaterialId| {
-                let material = &self.materials[material as usize];
-                (shown(&material.name).to_string(), material.emits())
-            };
-            let warning = |lost: &super::doubles::Lost| (lost.first.line, lost.sentence(named));
-            remarks.warnings = doubles.lost().iter().map(warning).collect();
-            self.settled = true;
-        }
-        remarks.notes.extend(self.normal_counts.note());
-        remarks
-    }
-
-    /// Recentres and rescales all shapes to about unit size, turns them into f32 and builds the
-    /// tree over them.
-    pub fn build(mut self) -> Scene {
-        self.settle();
-        let (low, high) = self.bounds();
-        let placement = Placement::fitting(low, high);
-        let local = |p: DVec3| V3::from(placement.to_local(p).as_vec3().to_array());
-        let scaled = |x: f64| (x * placement.scale()) as f32;
-
-        let mut material_of = vec![0; self.triangles.len()];
-        for (range, origin) in &self.groups {
-            material_of[range.clone()].fill(origin.material);
-        }
-        let vertex = |(p, normal)| Vertex { position: local(p).into(), normal };
-        let face = |(vertices, material)| Face { vertices, material };
-        let sphere = |&(c, r, _): &_| Sphere { centre: local(c), radius: scaled(r) };
-        let cylinder = |&(base, axis, r, _): &(DVec3, DVec3, _, _)| {
-            let height = axis.length();
-            let axis = V3::from((axis / height).as_vec3().to_array());
-            Cylinder::new(local(base), axis, scaled(height), scaled(r))
-        };
-        let materials = self.spheres.iter().map(|s| s.2.material);
-        let mut geometry = Geometry::new(
-            self.positions.into_iter().zip(self.normals).map(vertex),
-            self.triangles.into_iter().zip(material_of).map(face),
-            (
-                self.spheres.iter().map(sphere).collect(),
-                self.cylinders.iter().map(cylinder).collect(),
-            ),
-            materials.chain(self.cylinders.iter().map(|c| c.3.material)).collect(),
-        );
-        let mut lights = Vec::new();
-        for (range, Origin { material, .. }) in self.groups {
-            if !range.is_empty() {
-                lights.push(Light { shape: PrimitiveRange::triangles(range), material });
-            }
-        }
-        let first_sphere = geometry.faces().len();
-        for i in first_sphere..geometry.len() {
-            lights.push(Light {
-                shape: PrimitiveRange { first: i as u32, count: 1 },
-                material: geometry.material(i as u32),
-            });
-        }
-        let counts = SceneCounts {
-            triangles: geometry.faces().len(),
-            spheres: geometry.spheres.len(),
-            cylinders: geometry.cylinders.len(),
-            duplicates: self.duplicates,
-        };
-        let mut bvh = Bvh::build(&geometry);
-        bvh.settle_coincident(&mut geometry, &|m| self.materials[m as usize].emits());
-        let aspect = self.screen[0] as f64 / self.screen[1].max(1) as f64;
-        Scene {
-            name: self.name,
-            caption: self.caption,
-            source: self.source,
-            screen: self.screen,
-            camera: self.camera.unwrap_or_else(|| Camera::framing(low, high, aspect)),
-            environment: self.environment,
-            materials: self.materials,
-            bvh,
-            geometry,
-            surfaces: lights,
-            placement,
-            bounds: [low, high],
-            focus: self.focus,
-            counts,
-        }
-    }
-
-    /// Lowest and highest corner so far, in world units.
-    pub(super) fn bounds(&self) -> (DVec3, DVec3) {
-        let mut low = DVec3::INFINITY;
-        let mut high = DVec3::NEG_INFINITY;
-        let mut grow = |a: DVec3, b: DVec3| {
-            low = low.min(a);
-            high = high.max(b);
-        };
-        for &i in self.triangles.iter().flatten() {
-            let p = self.positions[i as usize];
-            grow(p, p);
-        }
-        for &(c, r, _) in &self.spheres {
-            grow(c - r, c + r);
-        }
-        for &(base, axis, r, _) in &self.cylinders {
-            // Half-extent of a disc of this radius, perpendicular to the axis.
-            let unit = axis.normalize();
-            let e = (DVec3::ONE - unit * unit).max(DVec3::ZERO).map(f64::sqrt) * r;
-            grow(base.min(base + axis) - e, base.max(base + axis) + e);
-        }
-        if low.x <= high.x { (low, high) } else { (DVec3::NEG_ONE, DVec3::ONE) }
-    }
-
-    /// Removes shapes in the place of others.
-    fn drop_doubles(&mut self) -> Doubles {
-        let mut doubles = Doubles::default();
-        let (low, high) = self.bounds();
-        let places = FirstPlaces(Placement::fitting(low, high));
-        let emits = |material: MaterialId| self.materials[material as usize].emits();
-        let (positions, triangles, groups) = (&self.positions, &self.triangles, &self.groups);
-        let (spheres, cylinders) = (&self.spheres, &self.cylinders);
-        // The groups follow one another.
-        let group_of = |i: usize| groups[groups.partition_point(|(range, _)| range.end <= i)].1;
-        let corners = |i: usize| triangles[i].map(|i| positions[i as usize]);
-        let key = |i: usize| places.triangle(corners(i));
-        let drop = doubles.find(0, triangles.len(), key, group_of, emits);
-        let key = |i: usize| places.sphere(spheres[i].0, spheres[i].1);
-        let drop_spheres = doubles.find(1, spheres.len(), key, |i| spheres[i].2, emits);
-        let key = |i: usize| places.cylinder(cylinders[i].0, cylinders[i].1, cylinders[i].2);
-        let drop_cylinders = doubles.find(2, cylinders.len(), key, |i| cylinders[i].3, emits);
-        if doubles.count > 0 {
-            let mut kept_before = 0;
-            for (range, _) in &mut self.groups {
-                let kept = range.clone().filter(|&i| !drop[i]).count();
-                *range = kept_before..kept_before + kept;
-                kept_before += kept;
-            }
-            retain(&mut self.triangles, &drop);
-            retain(&mut self.spheres, &drop_spheres);
-            retain(&mut self.cylinders, &drop_cylinders);
-        }
-        doubles
-    }
-}
-
-/// Keeps those that are not to be dropped.
-fn retain<T>(list: &mut Vec<T>, drop: &[bool]) {
-    let mut flags = drop.iter();
-    list.retain(|_| !flags.next().copied().unwrap_or(false));
 }
 
 fn in_reach(p: DVec3) -> Result<DVec3, ShapeError> {

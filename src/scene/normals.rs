@@ -14,7 +14,7 @@
 //! **Edges of many faces.** Of up to eight faces on an edge each pair is looked at. On an edge of more
 //! nothing tells which one goes on in which: it is sharp.
 
-use super::builder::{Mesh, Smooth};
+use super::mesh::{Mesh, Smooth};
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 

@@ -2,7 +2,6 @@
 
 use crate::viewer::ending::SharedEnding;
 use crate::viewer::jobs::save::as_picture;
-
 use burnish::picture::{Tone, write};
 use egui::{ColorImage, Context, ViewportCommand};
 use std::path::{Path, PathBuf};

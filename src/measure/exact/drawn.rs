@@ -3,9 +3,10 @@
 
 use super::emitters::{PlaneDisk, PlaneQuad, PlaneRect, PlaneSphere};
 use super::glossy::{Ball, Dome, Finish, Mirror, SpecRect, SpecSphere};
+use super::group::Group;
 use super::rooms::{Cavity, Concentric, Furnace, Integrating, ParallelPlanes};
 use super::stage::Where;
-use super::table::{Case, CaseTable, Group};
+use super::table::{Case, CaseTable};
 use super::{ExactError, factors};
 use crate::brdf::Model;
 use crate::math::simd::Isa;

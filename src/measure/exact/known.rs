@@ -3,8 +3,9 @@
 
 use super::ExactError;
 use super::glossy::Finish;
+use super::group::Group;
 use super::lobes::SeenLobe;
-use super::table::{Group, number_in};
+use super::quantity::number_in;
 use super::{factors, transport};
 use glam::DVec3;
 

@@ -2,8 +2,8 @@
 
 use super::ExactError;
 use super::glossy::Finish;
+use super::quantity::number_in;
 use super::stage::{ASIDE, ExactStage, POINT, Where, diffuse, mesh, of_albedo, rectangle};
-use super::table::number_in;
 use crate::scene::Camera;
 use glam::{DQuat, DVec3};
 use serde::Deserialize;

@@ -15,12 +15,14 @@
 //! differs. With normal means that happens to a right program in one scene of 1e9.
 
 mod draw;
+mod emitter_kind;
 mod emitters;
 mod judge;
 mod room;
 mod stage;
 
-pub use draw::{EmitterKind, RandomScene};
+pub use draw::RandomScene;
+pub use emitter_kind::EmitterKind;
 pub use judge::{
     Budget, EFFECT, JudgedScene, LOOKS, Look, REGIONS, RandomSummary, Region, SUSPECT, Verdict,
     judge, run,

@@ -2,8 +2,8 @@
 
 use super::Driver;
 use crate::brdf::{Model, Roughness};
+use crate::progressive::control::Shared;
 use crate::progressive::mailbox::Mailbox;
-use crate::progressive::session::Shared;
 use crate::progressive::turn::{Role, Turn};
 use crate::progressive::work::Workers;
 use crate::progressive::{Options, Params, Session, Snapshot, State, render};

@@ -6,6 +6,7 @@ use crate::brdf::Model;
 use crate::film::ErrorEstimate;
 use crate::progressive::accumulator::Accumulator;
 use crate::progressive::driver::Start;
+use crate::progressive::turn::Turn;
 use crate::progressive::{Experiment, Snapshot, render};
 use crate::scene::{Camera, Material, SceneBuilder};
 use crossbeam_channel::bounded;

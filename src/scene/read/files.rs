@@ -3,7 +3,8 @@
 use super::text::{decode_names, raw};
 use crate::limits::{Bytes, FILE_BYTES, READ_FACTOR, fits};
 use crate::plain;
-use crate::scene::{Source, SourceFile, builtin};
+use crate::scene::examples;
+use crate::scene::{Source, SourceFile};
 use sha2::{Digest, Sha256};
 use std::borrow::Cow;
 use std::cell::RefCell;
@@ -95,7 +96,7 @@ fn path_of(name: &str) -> PathBuf {
 impl Files for Disk {
     fn find(&self, name: &str) -> Result<(PathBuf, Cow<'_, [u8]>), Error> {
         let Some(path) = self.places(name).into_iter().find(|path| path.exists()) else {
-            if let Some(bytes) = builtin::model(name) {
+            if let Some(bytes) = examples::model(name) {
                 return Ok((PathBuf::from(name), Cow::Borrowed(bytes)));
             }
             if let Some(path) = self.in_any_case(&path_of(name)).filter(|path| path.is_file()) {

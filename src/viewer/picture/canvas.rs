@@ -2,8 +2,9 @@
 
 use crate::viewer::document::Document;
 use crate::viewer::picture::crop;
+use crate::viewer::picture::false_colour::FalseColour;
 use crate::viewer::picture::legend::{self, Pixel};
-use crate::viewer::picture::maps::{FalseColour, Layer};
+use crate::viewer::picture::maps::Layer;
 use crate::viewer::picture::orbit;
 use crate::viewer::picture::side::Side;
 use crate::viewer::picture::texture::Look;

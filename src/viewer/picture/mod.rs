@@ -3,6 +3,7 @@
 pub(crate) mod canvas;
 pub(crate) mod crop;
 pub(crate) mod difference;
+pub(crate) mod false_colour;
 pub(crate) mod frozen;
 pub(crate) mod legend;
 pub(crate) mod maps;

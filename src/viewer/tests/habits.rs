@@ -1,8 +1,6 @@
 //! What people expect of any window that shows pictures.
 
 use super::*;
-use egui_kittest::kittest::NodeT;
-use std::sync::Arc;
 
 #[test]
 fn the_title_says_how_far_the_picture_is() {
@@ -11,19 +9,6 @@ fn the_title_says_how_far_the_picture_is() {
     assert_eq!(title(&desk), "two.scn - burnish");
     desk.document(|d| d.set_limit(1 << 30));
     desk.until("a part of the way", |app| app.title().starts_with("0 % - two.scn"));
-}
-
-#[test]
-fn the_picture_can_have_the_window_for_itself() {
-    let mut desk = Desk::done(1);
-    let narrow = desk.canvas().width();
-    desk.key(Key::N);
-    desk.harness.run_ok();
-    assert!(desk.canvas().width() > narrow + 250.0);
-    assert!(desk.harness.query_by_label("Pass limit").is_none());
-    desk.key(Key::N);
-    desk.harness.run_ok();
-    assert_eq!(desk.canvas().width(), narrow);
 }
 
 #[test]
@@ -54,15 +39,6 @@ fn the_help_has_a_button() {
     desk.click_role(Role::Button, "Help");
     desk.harness.run_ok();
     assert!(desk.app().help.open);
-}
-
-/// Draws until nothing moves any more.
-fn settled(desk: &mut Desk) {
-    for _ in 0..30 {
-        desk.harness.step();
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    desk.harness.run_ok();
 }
 
 #[test]
@@ -127,36 +103,10 @@ fn what_is_typed_in_vain_is_told() {
     assert_eq!(desk.doc().goal.passes, 1);
     desk.click_pixel(RIGHT_BALL);
     desk.key(Key::P);
-    settled(&mut desk);
+    desk.settle();
     desk.type_into("Column", "64");
     assert!(desk.notice().starts_with("Column: 64 is out of range, which is 0 to 63"));
     assert_eq!(desk.doc().clicked, Some([63, 24]));
-}
-
-#[test]
-fn controls_stay_in_place_without_a_lobe() {
-    let mut desk = Desk::done(1);
-    desk.click_pixel(RIGHT_BALL);
-    settled(&mut desk);
-    let places = |desk: &Desk| {
-        let field = |name| desk.harness.get_by_role_and_label(Role::SpinButton, name).rect();
-        let button = |name| desk.harness.get_by_role_and_label(Role::Button, name).rect();
-        [
-            field("alpha"),
-            field("a_p"),
-            field("Pass limit"),
-            button("Snapshot"),
-            button("Copy command"),
-        ]
-    };
-    let before = places(&desk);
-    desk.document(|d| {
-        let material = d.picked_material().unwrap().clone();
-        d.set_picked(burnish::scene::Material { ks: [0.0; 3], ..material });
-    });
-    settled(&mut desk);
-    assert!(desk.harness.query_by_label_contains("No specular lobe").is_some());
-    assert_eq!(places(&desk), before);
 }
 
 /// Typing into a colour goes on by Tab where Ks is 0 at first: what is typed does not go to shortcuts.
@@ -168,7 +118,7 @@ fn the_keyboard_stays_in_its_field_when_a_lobe_appears() {
         let material = d.picked_material().unwrap().clone();
         d.set_picked(burnish::scene::Material { ks: [0.0; 3], ..material });
     });
-    settled(&mut desk);
+    desk.settle();
     desk.click_role(Role::SpinButton, "Ks red");
     desk.harness.step();
     for _ in 0..3 {
@@ -187,27 +137,13 @@ fn what_a_roughness_concerns_is_first_in_the_list() {
     let scene = SCENE.replace("brdf 0.5 0.1 0.1 0.1 0.1 0.1 50", "brdf 0.5 0.1 0.1 0 0 0 50");
     let mut desk = Desk::reading(&scene);
     desk.until("a picture", |app| app.render.as_ref().is_some_and(|r| r.newest.is_some()));
-    settled(&mut desk);
+    desk.settle();
     let height = |desk: &Desk, i: usize| {
         let name = desk.doc().params.materials[i].name.clone();
         desk.harness.get_by_role_and_label(Role::Button, &name).rect().top()
     };
     let [matte, glossy, lamp] = [0, 1, 2].map(|i| height(&desk, i));
     assert!(glossy < lamp && lamp < matte, "{glossy} {lamp} {matte}");
-}
-
-#[test]
-fn a_section_opened_at_the_foot_is_seen() {
-    let mut desk = Desk::done(1);
-    desk.harness.set_size(vec2(1280.0, 500.0));
-    settled(&mut desk);
-    // Opening by the keyboard, for it lies below the window.
-    desk.harness.get_by_role_and_label(Role::Button, "Tracing").focus();
-    desk.harness.step();
-    desk.key(Key::Enter);
-    settled(&mut desk);
-    let seed = desk.harness.get_by_role_and_label(Role::TextInput, "Seed").rect();
-    assert!(seed.bottom() <= 500.0 - 28.0, "{seed:?}");
 }
 
 #[test]
@@ -226,115 +162,6 @@ fn exposure_belongs_to_the_scene() {
     let tone = |exposure| burnish::picture::Tone { exposure, curve: Curve::Filmic };
     assert_eq!(open(&mut desk, Source::named("cornell".into())), tone(0.0));
     assert_eq!(open(&mut desk, own), tone(0.5));
-}
-
-#[test]
-fn the_picture_follows_the_window_once_that_stands_still() {
-    let mut desk = Desk::with(SCENE, Settings::default(), |_| Picked::Nothing);
-    desk.harness.set_size(vec2(500.0, 300.0));
-    desk.until("a picture", |app| {
-        let newest = app.render.as_ref().and_then(|r| r.newest.as_ref());
-        newest.is_some_and(|s| s.grid.size == app.canvas.room && s.passes > 0)
-    });
-    let size = desk.doc().params.size;
-    let room = desk.canvas().size() - Vec2::splat(32.0);
-    assert_eq!(size, [room.x as u32, room.y as u32]);
-    // Pixel by pixel.
-    assert_eq!(desk.app().canvas.place.unwrap().size(), vec2(size[0] as f32, size[1] as f32));
-    assert!(!desk.doc().can_undo(), "a window's size is no edit");
-    desk.harness.set_size(vec2(520.0, 310.0));
-    desk.harness.step();
-    assert_eq!(desk.doc().params.size, size, "it has only begun to grow");
-    desk.until("a larger picture", |app| {
-        app.document.as_ref().unwrap().params.size == [size[0] + 20, size[1] + 10]
-    });
-    // Undo takes back an edit and leaves the size.
-    desk.document(|d| d.tone.exposure = 1.0);
-    desk.harness.run_ok();
-    assert!(desk.document(|d| d.undo()));
-    assert_eq!(desk.doc().params.size, [size[0] + 20, size[1] + 10]);
-    // A size that was chosen stays.
-    desk.document(|d| (d.follow, d.params.size) = (false, [64, 48]));
-    desk.harness.set_size(vec2(600.0, 400.0));
-    settled(&mut desk);
-    std::thread::sleep(Duration::from_millis(250));
-    settled(&mut desk);
-    assert_eq!(desk.doc().params.size, [64, 48]);
-}
-
-/// Opens a picture as if it were dropped.
-fn open(desk: &mut Desk, name: &str) {
-    let path = desk.folder.path().join("out").join(name);
-    let ctx = desk.harness.ctx.clone();
-    desk.harness.state_mut().as_mut().unwrap().load(&ctx, Source::File(path), false);
-}
-
-#[test]
-fn a_snapshot_is_a_reference_and_goes_on() {
-    let mut desk = Desk::done(20);
-    desk.type_into("alpha", "0.31");
-    desk.drag(vec2(30.0, 10.0), PointerButton::Primary, Modifiers::NONE);
-    desk.until_done(20);
-    let before = (desk.newest().mean(), desk.doc().params.camera);
-    desk.key(Key::S);
-    desk.until("files", |app| app.saving.is_none());
-    let files = desk.files();
-    let [exr, png] = ["exr", "png"]
-        .map(|kind| files.iter().find(|name| name.ends_with(kind)).expect("no snapshot").clone());
-    for name in [exr, png] {
-        // Elsewhere meanwhile.
-        desk.key(Key::Home);
-        desk.key(Key::Num1);
-        desk.type_into("alpha", "0.05");
-        open(&mut desk, &name);
-        if name.ends_with("exr") {
-            desk.until("the reference", |app| {
-                app.doc().comparison.file.is_some() && app.doc().comparison.on
-            });
-            settled(&mut desk);
-            desk.click_role(Role::Button, "Resume the file");
-        }
-        desk.until("the same picture", |app| {
-            let render = app.render.as_ref().unwrap();
-            app.resuming.is_none()
-                && app.document.as_ref().unwrap().params.model == Model::Ggx
-                && render.newest.as_ref().is_some_and(|s| s.passes == 20)
-        });
-        assert_eq!((desk.doc().params.camera, desk.alpha()), (before.1, 0.31));
-        assert!(desk.newest().mean() == before.0, "{name}");
-        desk.document(|d| d.goal.passes = 24);
-        desk.until_done(24);
-        desk.document(|d| d.goal.passes = 20);
-    }
-}
-
-#[test]
-fn an_experiment_goes_on_from_its_sums() {
-    let mut desk = Desk::done(17);
-    let path = desk.folder.path().join("out/sums.exr");
-    let (send, told) = std::sync::mpsc::channel();
-    let file = desk.doc().source.path().unwrap().to_path_buf();
-    let scene = Arc::new(burnish::scene::read::open(&file).unwrap().0.build());
-    let params = burnish::progressive::Params::new(scene);
-    let options = burnish::progressive::Options::headless(1);
-    let session = burnish::progressive::Session::with_options(params, 17, options, || {}).unwrap();
-    session.visit_experiment(move |experiment| send.send(experiment.save(&path)).unwrap());
-    told.recv().unwrap().unwrap();
-    let passes = session.latest().map_or(0, |s| s.passes);
-    drop(session);
-    desk.key(Key::Num1);
-    desk.until_done(17);
-    open(&mut desk, "sums.exr");
-    desk.until("the reference", |app| {
-        app.doc().comparison.file.is_some() && app.doc().comparison.on
-    });
-    settled(&mut desk);
-    desk.click_role(Role::Button, "Resume the file");
-    desk.until("the picture", |app| app.resuming.is_none() && !app.doc().comparison.on);
-    assert!(desk.notice().starts_with("Goes on after"), "{} {passes}", desk.notice());
-    desk.until_done(17);
-    let whole = burnish::progressive::render(desk.doc().params.clone(), 17, 1).unwrap();
-    assert!(desk.newest().mean() == whole.mean());
 }
 
 #[test]
@@ -371,75 +198,6 @@ fn what_a_drag_holds_stays_in_its_place() {
     let beyond = held + (held - camera.eye);
     let at = camera.project(held, beyond, params.size).unwrap()[0];
     assert!((at[0] - 42.0).hypot(at[1] - 24.0) < 0.5, "{at:?}");
-}
-
-#[test]
-fn zooming_beside_the_picture_does_not_lose_it() {
-    let mut desk = Desk::done(1);
-    let space = desk.canvas();
-    desk.harness.hover_at(space.left_top() + Vec2::splat(2.0));
-    desk.harness.step();
-    desk.harness.event(Event::ModifiersChanged(Modifiers::CTRL | Modifiers::COMMAND));
-    for _ in 0..10 {
-        desk.harness.event(Event::MouseWheel {
-            unit: egui::MouseWheelUnit::Line,
-            delta: vec2(0.0, 30.0),
-            phase: egui::TouchPhase::Move,
-            source: egui::MouseWheelSource::Unknown,
-            modifiers: Modifiers::CTRL | Modifiers::COMMAND,
-        });
-        desk.harness.run_steps(5);
-    }
-    let place = desk.app().canvas.place.unwrap();
-    assert!(place.width() > 2.0 * space.width(), "{place:?}");
-    assert!(place.intersect(space).area() > 0.0, "{place:?} is not in {space:?}");
-}
-
-#[test]
-fn the_panel_s_right_margin_is_kept_by_every_section() {
-    let mut desk = Desk::done(4);
-    desk.harness.set_size(vec2(1280.0, 4000.0));
-    desk.click_pixel(RIGHT_BALL);
-    settled(&mut desk);
-    let sections = crate::viewer::style::labels::table().into_iter().map(|(part, _)| part);
-    let open = ["Materials", "View"];
-    let closed: Vec<&str> = sections
-        .chain(["Checks"])
-        .filter(|name| !open.contains(name))
-        .filter(|name| desk.harness.query_by_role_and_label(Role::Button, name).is_some())
-        .collect();
-    assert!(closed.len() > 4, "{closed:?}");
-    for section in closed {
-        desk.click_role(Role::Button, section);
-        settled(&mut desk);
-    }
-    // The harness has a margin of 8 points around all.
-    let right = 1280.0 - 8.0 - 16.0;
-    let left = desk.canvas().right();
-    let (mut seen, mut beyond) = (0, Vec::new());
-    for role in [Role::Button, Role::SpinButton, Role::Label, Role::ComboBox, Role::Slider] {
-        for node in desk.harness.query_all_by_role(role).filter(|n| n.rect().left() > left) {
-            seen += 1;
-            // Less than half a point is a rounding.
-            if node.rect().right() > right + 0.5 {
-                let name = node.accesskit_node().label().or_else(|| node.value());
-                beyond.push((role, name, node.rect()));
-            }
-        }
-    }
-    assert!(beyond.is_empty(), "{beyond:#?}");
-    assert!(seen > 100, "{seen}");
-}
-
-#[test]
-fn the_full_screen_is_the_picture_s() {
-    let mut desk = Desk::done(1);
-    desk.key(Key::F11);
-    desk.harness.run_ok();
-    assert!(desk.harness.query_by_label("Pass limit").is_none());
-    desk.key(Key::Escape);
-    desk.harness.run_ok();
-    assert!(!desk.app().full_screen && desk.harness.query_by_label("Pass limit").is_some());
 }
 
 #[test]
@@ -487,45 +245,4 @@ fn a_part_of_the_picture_is_traced_alone() {
     assert_eq!(desk.doc().params.camera, whole);
     desk.chord(held, Key::Z);
     assert_eq!(desk.doc().params.camera.crop.parts(), [x, y, side], "an edit like others");
-}
-
-#[test]
-fn a_window_s_size_is_not_saved_with_the_scene() {
-    let mut desk = Desk::done(1);
-    desk.document(|d| d.follow = true);
-    desk.until("another size", |app| app.document.as_ref().unwrap().params.size != [64, 48]);
-    desk.chord(Modifiers::CTRL | Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
-    desk.until("the file", |app| app.saving.is_none() && app.notice.is_some());
-    let saved = std::fs::read_to_string(desk.folder.path().join("two-edited.scn")).unwrap();
-    assert_eq!(saved, SCENE);
-}
-
-#[test]
-fn sections_have_keys() {
-    let mut desk = Desk::done(1);
-    for (key, inside) in [(Key::L, "Quantity"), (Key::P, "Pixel")] {
-        let there = |desk: &Desk| desk.harness.query_all_by_label(inside).count();
-        let before = there(&desk);
-        desk.key(key);
-        settled(&mut desk);
-        let opened = there(&desk);
-        desk.key(key);
-        settled(&mut desk);
-        assert!(opened > before && there(&desk) == before, "{key:?}");
-    }
-}
-
-/// A picture that follows the window would begin anew with every point that it gains or loses.
-#[test]
-fn no_section_changes_the_room_of_the_picture() {
-    let mut desk = Desk::done(8);
-    desk.harness.set_size(vec2(1280.0, 720.0));
-    settled(&mut desk);
-    let before = desk.canvas();
-    desk.click_pixel(RIGHT_BALL);
-    for key in [Key::C, Key::P, Key::L, Key::G, Key::P, Key::L, Key::G, Key::C] {
-        desk.key(key);
-        settled(&mut desk);
-        assert_eq!(desk.canvas(), before, "{key:?}");
-    }
 }

@@ -9,6 +9,7 @@ mod goal;
 mod habits;
 mod history;
 mod labels;
+mod layout;
 mod lobe;
 mod maps;
 mod materials;
@@ -18,6 +19,7 @@ mod picture;
 mod pixel;
 mod proofs;
 mod reload;
+mod resume;
 mod settings;
 mod sheet;
 mod tracing;
@@ -194,6 +196,15 @@ impl Desk {
             assert!(start.elapsed() < PATIENCE, "no {what}; {}", self.notice());
             std::thread::sleep(Duration::from_millis(2));
             self.harness.step();
+        }
+        self.harness.run_ok();
+    }
+
+    /// Draws until nothing moves any more.
+    fn settle(&mut self) {
+        for _ in 0..30 {
+            self.harness.step();
+            std::thread::sleep(Duration::from_millis(2));
         }
         self.harness.run_ok();
     }
