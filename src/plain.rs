@@ -27,7 +27,7 @@ pub fn start(text: &str) -> String {
 
 /// A number as it is written, or by a power of ten where that would take hundreds of digits.
 pub fn number(x: f64) -> String {
-    const LONGEST: usize = 30;
+    const LONGEST: usize = 40;
     let text = x.to_string();
     if text.len() > LONGEST { format!("{x:e}") } else { text }
 }
