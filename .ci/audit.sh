@@ -3,8 +3,8 @@
 #
 #     cargo install --locked cargo-deny cargo-machete; .ci/audit.sh
 #
-# Building the two takes longer than all else that CI does but tests. Where they are missing this says so, and
-# tests/dependencies.rs has held the same rules.
+# Building the two takes time that CI has not. Where they are missing this says so, and tests/dependencies.rs has
+# held the same rules.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
