@@ -111,6 +111,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 /// Traces it and says how far it is.
 fn trace(sheet: &Sheet, threads: usize) -> Result<TracedSheet, Failure> {
     let mut shown: Option<Progress> = None;
+    let mut has_samples = None;
     let watch = |SheetProgress { cell, snapshot, is_done }: SheetProgress| {
         let shown_now = shown.get_or_insert_with(|| {
             say(format_args!("{} of {}: {}", cell + 1, sheet.len(), sheet.title(cell)));
@@ -118,6 +119,9 @@ fn trace(sheet: &Sheet, threads: usize) -> Result<TracedSheet, Failure> {
         });
         if let Some(snapshot) = snapshot {
             shown_now.show(snapshot);
+            if snapshot.passes > 0 && has_samples.replace(cell) != Some(cell) {
+                detail("  every pixel has a sample");
+            }
             if is_done {
                 shown = None;
                 let (passes, error) =

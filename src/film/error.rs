@@ -24,7 +24,7 @@
 
 use super::Film;
 use super::interval::{Interval, normal_quantile, ratio};
-use crate::math::sequence::REPLICATES;
+use crate::math::sobol::REPLICATES;
 
 /// Degrees of freedom of a pixel's standard error, away from the edges of tiles: half of what nine
 /// pixels have, for neighbours that share their paths err alike.

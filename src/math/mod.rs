@@ -9,8 +9,6 @@ pub(crate) mod numbers;
 pub mod simd;
 pub(crate) mod soa;
 pub mod sobol;
-#[doc(hidden)]
-pub use sobol as sequence;
 pub mod special;
 pub mod vec;
 pub mod warp;

@@ -48,7 +48,8 @@ pub struct Params {
     pub uniform: bool,
     /// The number of the first pass: 0 but where a picture is rendered in parts, each of which has some of
     /// the passes. A multiple of 4, so that every part is assigned to the replicates in the same turn, of at
-    /// most [`Session::MAX_PASSES`](super::Session::MAX_PASSES); only where passes are uniform can it be another than 0.
+    /// most [`Session::MAX_PASSES`](super::Session::MAX_PASSES); only where passes are uniform can it be
+    /// another than 0.
     pub first_pass: u64,
 }
 

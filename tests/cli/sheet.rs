@@ -1,6 +1,8 @@
 //! `burnish sheet`: a labelled picture and the radiance of its cells.
 
 use super::{at, burnish, code, err, must, run};
+#[cfg(unix)]
+use super::{signal, until_told};
 use burnish::picture::{read_exr, read_exr_part, read_recipe_of};
 use burnish::progressive::Recipe;
 use image::GenericImageView;
@@ -147,30 +149,17 @@ fn a_sheet_is_not_written_over_what_it_reads() {
 #[cfg(unix)]
 #[test]
 fn an_early_end_writes_what_is_done() {
-    use std::io::{BufRead, BufReader};
-    use std::process::Stdio;
     let folder = folder();
     let [scene, png] = ["ball.scn", "sheet.png"].map(|name| at(&folder, name));
     // Its error is out of reach in the time of this test.
-    let args = ["sheet", &scene, "-o", &png, "--error", "0.0001%", "--max-passes", "4294967296"];
-    let mut child = burnish()
-        .args(args)
-        .args(["--alpha", "0.1,0.4", "--model", "ggx", "--size", "48x36"])
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut told = BufReader::new(child.stderr.take().unwrap());
-    let mut line = String::new();
-    while !line.contains("1 of 2") {
-        line.clear();
-        assert!(told.read_line(&mut line).unwrap() > 0);
-    }
-    // Until it has samples: a 48x36 picture has its first pass in well under this.
-    std::thread::sleep(std::time::Duration::from_secs(3));
-    let pid = child.id().to_string();
-    assert!(std::process::Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
-    let mut rest = String::new();
-    while told.read_line(&mut rest).unwrap() > 0 {}
+    let mut command = burnish();
+    command
+        .args(["sheet", "-v", &scene, "-o", &png, "--error", "0.0001%"])
+        .args(["--max-passes", "4294967296"])
+        .args(["--alpha", "0.1,0.4", "--model", "ggx", "--size", "48x36"]);
+    let (mut child, lines) = until_told(command, "every pixel has a sample");
+    signal(&child, "-INT");
+    let rest = lines.map(|line| line.unwrap()).collect::<Vec<_>>().join("\n");
     assert_eq!(child.wait().unwrap().code(), Some(1), "{rest}");
     assert!(rest.contains("2 of 2 pictures are not done"), "{rest}");
     let exr = at(&folder, "sheet.exr");

@@ -159,7 +159,8 @@ impl Sheet {
             return Err(SheetError::Size(across, down));
         }
         let sheet = u64::from(across) * u64::from(down) * 4;
-        let need = self.params.bytes().saturating_add(kept).saturating_add(sheet);
+        let need =
+            self.params.bytes_after(self.most_passes).saturating_add(kept).saturating_add(sheet);
         fits(need, || {
             format!("a contact sheet of {} pictures of {width}x{height} pixels", self.len())
         })?;
