@@ -1,7 +1,8 @@
 //! Broken experiments: bytes, texts and single sums changed. What is still taken for one has to go on.
 
+use super::bounded::{EACH, FREE, bounded};
 use super::mutate::{Random, is_fit, try_all};
-use super::{EACH, FREE, TURN, bounded, folder};
+use super::{TURN, folder};
 use burnish::picture::{ReadTables, Table, read_exr, read_tables, write_with_tables};
 use burnish::progressive::{Experiment, Options, Params, Session, State};
 use burnish::scene::Scene;

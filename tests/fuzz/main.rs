@@ -5,57 +5,25 @@
 //! A few in each test run; `BURNISH_FUZZ=1000000 cargo test --release --test fuzz -- --nocapture`
 //! makes so many changes of each kind, and `BURNISH_FUZZ_SECONDS=60` as many as come in that time.
 
+#[path = "../support/bounded.rs"]
+mod bounded;
 mod experiment;
 mod exr;
 #[path = "../support/mutate.rs"]
 mod mutate;
 mod written;
 
+use bounded::{EACH, FREE, bounded};
 use burnish::picture::{Picture, Tone, read_exr_part, read_recipe, write_with_recipe};
 use burnish::progressive::{Params, Recipe, render};
 use burnish::scene::builtin::Example;
 use burnish::scene::read::{self, Memory};
 use mutate::{Random, WORDS, corpus, is_fit, try_all};
-use peak_alloc::PeakAlloc;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
-
-#[global_allocator]
-static MEMORY: PeakAlloc = PeakAlloc;
 
 /// One kind at a time: memory is counted for the whole process.
 static TURN: Mutex<()> = Mutex::new(());
-
-/// What this thread has had of a processor, where the system tells.
-fn worked() -> Option<Duration> {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    text.split(' ').next()?.parse().ok().map(Duration::from_nanos)
-}
-
-/// Does this within a second and so many bytes. On a machine that is busy with other things it is done again and
-/// the thread's own time counts; what hangs is slow each time.
-fn bounded<T>(most: usize, file: &[u8], seed: u64, act: impl Fn() -> T) -> T {
-    const SECOND: Duration = Duration::from_secs(1);
-    let before = MEMORY.current_usage();
-    MEMORY.reset_peak_usage();
-    let start = Instant::now();
-    let mut result = act();
-    let mut took = start.elapsed();
-    let bytes = MEMORY.peak_usage().saturating_sub(before);
-    for _ in 0..4 {
-        if took > SECOND {
-            let (start, before) = (Instant::now(), worked());
-            result = act();
-            let own = worked().zip(before).map(|(after, before)| after.saturating_sub(before));
-            took = own.unwrap_or(start.elapsed());
-        }
-    }
-    let shown = String::from_utf8_lossy(&file[..file.len().min(4000)]);
-    assert!(took <= SECOND, "{took:?} for (seed {seed}) {shown:?}");
-    assert!(bytes <= most, "{bytes} bytes of {most} for (seed {seed}) {shown:?}");
-    result
-}
 
 /// Does all on one thread, also what readers leave to others where files are large: most of the time would
 /// else go by in handing over files of some hundred bytes.
@@ -67,10 +35,6 @@ fn on_one_thread(act: impl FnOnce() + Send) {
 fn folder() -> tempfile::TempDir {
     tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).unwrap()
 }
-
-/// What any reader may take whatever comes, and for each byte of its input.
-const FREE: usize = 2 << 20;
-const EACH: usize = 64;
 
 const SCENE: &[u8] = include_bytes!("../data/workshop.scn");
 const MODEL: &[u8] = include_bytes!("../data/lamp.obj");
