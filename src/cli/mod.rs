@@ -101,8 +101,8 @@ enum Command {
 /// Runs the subcommand that the arguments name.
 pub(crate) fn main() -> ExitCode {
     let started = Instant::now();
-    memory::begin();
     let args = Args::parse();
+    memory::begin(matches!(args.command, None | Some(Command::Soak(_))));
     // Not by clap's own rule, which would forbid --quiet before a subcommand too.
     if args.command.is_some() && args.window != window::Args::default() {
         misused("a scene or an argument of the window stands before the subcommand");

@@ -100,12 +100,14 @@ pub struct ErrorEstimate {
 impl Film {
     /// Mean and error now; `width` is that of the rectangle, whose pixels go row by row.
     pub fn estimate(&self, width: usize) -> Estimate {
-        let (means, variances) = self.moments();
+        // What stays is set aside before what is soon given back, which would else leave holes between.
         let mut out = Estimate {
-            mean: means.iter().map(|m| m.map(|m| m as f32)).collect(),
-            standard_error: Vec::with_capacity(variances.len()),
+            mean: Vec::with_capacity(self.sums.len()),
+            standard_error: Vec::with_capacity(self.sums.len()),
             sums: ErrorSums::default(),
         };
+        let (means, variances) = self.moments();
+        out.mean.extend(means.iter().map(|m| m.map(|m| m as f32)));
         let width = width.max(1);
         let height = means.len() / width;
         for (i, variance) in variances.iter().enumerate() {

@@ -56,11 +56,17 @@ impl Default for Sums {
 }
 
 impl Sums {
-    /// Makes them the empty sums of this many pixels in multiples of 2^`quantum`, keeping the memory.
+    /// Makes them the empty sums of this many pixels in multiples of 2^`quantum`, in the memory that they have if
+    /// it is enough, and else in as much as they need and no more.
     pub(super) fn clear(&mut self, pixels: usize, quantum: i32) {
         (self.quantum, self.per_quantum) = (power_of_two(quantum), power_of_two(-quantum));
         self.wide = Vec::new();
         self.narrow.clear();
+        if self.narrow.capacity() < pixels {
+            // The old given back first: together they would be held for a moment.
+            self.narrow = Vec::new();
+            self.narrow.reserve_exact(pixels);
+        }
         self.narrow.resize(pixels, Default::default());
     }
 

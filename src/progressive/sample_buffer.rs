@@ -23,11 +23,10 @@ impl SampleBuffer {
         let [width, height] = size.map(|s| s as usize);
         (self.width, self.pixels) = (width, width * height);
         let wanted = self.pixels * passes;
-        // A smaller picture after a large one gives its memory back.
-        if self.samples.len() > 4 * wanted {
+        // A smaller picture after a large one gives its memory back, and a larger one takes no more than it needs.
+        if self.samples.len() > 4 * wanted || self.samples.len() < wanted {
             self.samples = Vec::new();
-        }
-        if self.samples.len() < wanted {
+            self.samples.reserve_exact(wanted);
             self.samples.resize_with(wanted, Default::default);
         }
     }
