@@ -587,7 +587,7 @@ fn the_readme_is_short_and_knows_every_scene_and_model() {
     let at = |name: &str| {
         first.iter().position(|&cell| cell == name).unwrap_or_else(|| panic!("{name}"))
     };
-    let scenes = EXAMPLES.map(|scene| at(&format!("`{}`", scene.name)));
+    let scenes = EXAMPLES.each_ref().map(|scene| at(&format!("`{}`", scene.name)));
     assert!(scenes.is_sorted_by(|a, b| a + 1 == *b), "as the program lists them: {scenes:?}");
     assert!(Model::ALL.map(|model| at(model.title())).is_sorted());
 }

@@ -60,7 +60,7 @@ fn edited(materials: &[Material], random: &mut Random) -> Vec<Material> {
 
 #[test]
 fn without_an_edit_a_scene_is_its_text() {
-    for example in EXAMPLES {
+    for example in &EXAMPLES {
         let scene = example.read().unwrap().0.build();
         let text = scene.source().text.clone().unwrap();
         assert_eq!(with(&scene, scene.materials()).unwrap(), text, "{}", example.name);
@@ -72,7 +72,7 @@ fn shipped_scenes_come_back_with_all_their_edits_wherever_they_are_saved() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("mine.scn");
     let mut random = Random::new(5);
-    for example in EXAMPLES {
+    for example in &EXAMPLES {
         let scene = example.read().unwrap().0.build();
         let materials = edited(scene.materials(), &mut random);
         let eye = DVec3::new(random.within(0.0, 1.0), -4.0, 1.0 / 3.0);

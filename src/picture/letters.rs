@@ -1,6 +1,6 @@
 //! Letters as coverage of pixels, for labels on pictures.
 //!
-//! Two openly licensed fonts, which the window uses as well: Ubuntu Light for words, Hack for figures,
+//! Two openly licensed fonts, which the window takes from here: Ubuntu Light for words, Hack for figures,
 //! whose digits are all of one width. No hinting and no kerning: letters stand where their advance widths
 //! put them, at fractions of a pixel.
 
@@ -19,14 +19,20 @@ pub enum Face {
     Figures,
 }
 
+/// Statics: of constants, every crate that names them would have its own copy.
+static FILES: [&[u8]; 2] = [epaint_default_fonts::UBUNTU_LIGHT, epaint_default_fonts::HACK_REGULAR];
+
 impl Face {
+    /// The font's file, a TrueType one.
+    pub fn file(self) -> &'static [u8] {
+        FILES[self as usize]
+    }
+
     /// The font; `None` would be a font that cannot be read, of which a test makes sure that it is not.
     fn font(self) -> Option<&'static FontRef<'static>> {
         type Fonts = [Option<FontRef<'static>>; 2];
-        static FONTS: LazyLock<Fonts> = LazyLock::new(|| {
-            [epaint_default_fonts::UBUNTU_LIGHT, epaint_default_fonts::HACK_REGULAR]
-                .map(|bytes| FontRef::new(bytes).ok())
-        });
+        static FONTS: LazyLock<Fonts> =
+            LazyLock::new(|| FILES.map(|bytes| FontRef::new(bytes).ok()));
         FONTS[self as usize].as_ref()
     }
 }

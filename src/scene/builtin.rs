@@ -30,7 +30,7 @@ mod tests {
 
     #[test]
     fn all_read_without_a_remark_but_on_their_normals() {
-        for example in EXAMPLES {
+        for example in &EXAMPLES {
             let (builder, report) = example.read().unwrap();
             assert!(report.warnings.is_empty(), "{}: {report:?}", example.name);
             assert!(report.notes.iter().all(|note| note.starts_with("normals: ")), "{report:?}");
@@ -38,8 +38,8 @@ mod tests {
             assert_eq!(builder.caption.as_deref(), example.caption(), "{}", example.name);
             let words = example.caption().unwrap().split_whitespace().count();
             assert!((5..=30).contains(&words), "{}: {words} words", example.name);
-            assert_eq!(Example::named(example.name), Some(&example));
-            assert_eq!(Example::named(&example.name.to_uppercase()), Some(&example));
+            assert_eq!(Example::named(example.name), Some(example));
+            assert_eq!(Example::named(&example.name.to_uppercase()), Some(example));
         }
     }
 

@@ -21,8 +21,8 @@ macro_rules! files {
     };
 }
 
-/// All of them, the default scene first.
-pub const EXAMPLES: [Example; 8] = [
+/// All of them, the default scene first. A static: a constant would be in the binary once for every crate that names it.
+pub static EXAMPLES: [Example; 8] = [
     Example {
         name: "default",
         title: "Brass knot",

@@ -245,7 +245,16 @@ mod tests {
         change(&mut snapshot);
         document.live.is_done = snapshot.state == State::Done;
         document.live.newest = Some(Arc::new(snapshot));
-        let line = |ui: &mut Ui| Status.ui(ui, &mut document, &mut Vec::new());
+        let mut has_fonts = false;
+        let line = |ui: &mut Ui| {
+            if has_fonts {
+                return Status.ui(ui, &mut document, &mut Vec::new());
+            }
+            // They are there from the next frame on.
+            ui.ctx().set_fonts(theme::fonts());
+            ui.ctx().request_repaint();
+            has_fonts = true;
+        };
         let harness = Harness::builder().with_size([width, 28.0]).build_ui(line);
         let labels = harness.get_all_by_role(egui::accesskit::Role::Label);
         labels.filter_map(|node| node.value()).map(|text| text.trim_end().to_owned()).collect()

@@ -1,9 +1,10 @@
 //! Colours, spacing and type.
 
 use burnish::brdf::Model;
+use burnish::picture::Face;
 use egui::{
-    Color32, Context, CornerRadius, FontFamily, FontId, Margin, Stroke, Style, TextStyle, Ui,
-    Visuals, vec2,
+    Color32, Context, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Margin, Stroke,
+    Style, TextStyle, Ui, Visuals, vec2,
 };
 
 /// Width of the side panel in points.
@@ -51,10 +52,23 @@ pub(crate) fn accent_of(visuals: &Visuals) -> Color32 {
     accent(visuals.dark_mode)
 }
 
-/// Sets up both themes.
+/// Sets up the fonts and both themes.
 pub(crate) fn install(ctx: &Context) {
+    ctx.set_fonts(fonts());
     ctx.set_style_of(egui::Theme::Dark, style(true));
     ctx.set_style_of(egui::Theme::Light, style(false));
+}
+
+/// Those of the labels on pictures. egui's own are the same, and would be in the program a second time.
+pub(crate) fn fonts() -> FontDefinitions {
+    let [words, figures] = ["words", "figures"];
+    let mut fonts = FontDefinitions::empty();
+    for (name, face) in [(words, Face::Words), (figures, Face::Figures)] {
+        fonts.font_data.insert(name.into(), FontData::from_static(face.file()).into());
+    }
+    fonts.families.insert(FontFamily::Proportional, vec![words.into()]);
+    fonts.families.insert(FontFamily::Monospace, vec![figures.into(), words.into()]);
+    fonts
 }
 
 fn style(dark: bool) -> Style {
