@@ -53,11 +53,18 @@ command -v qemu-aarch64 >/dev/null || skip "no emulator (qemu-user)"
 # Quick to build rather than to run: what others wrote is not optimized, but for what makes the tree. Without
 # the window's tests, and what they alone need.
 build() {
+    # The ones that Cargo.toml wants fast.
+    local named quick
+    mapfile -t named < <(sed -n 's/^\([a-z0-9_-]*\) = { opt-level = 3 }$/\1/p' Cargo.toml)
+    quick=("${named[@]/#/--config=profile.release.package.}")
+    quick=("${quick[@]/%/.opt-level=0}")
     RUSTC=$compiler CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc \
         CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUSTFLAGS="--cfg headless" \
-        CARGO_PROFILE_RELEASE_OPT_LEVEL=1 CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16 \
+        CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16 \
         timeout "$(left)" cargo test --release --no-default-features --lib --no-run --target "$target" \
-        --config 'profile.release.package."*".opt-level=0' --config profile.release.package.obvhs.opt-level=1 \
+        --config 'profile.release.package."*".opt-level=0' "${quick[@]}" \
+        --config=profile.release.package.{burnish,obvhs}.opt-level=1 \
+        --config profile.release.package.burnish.codegen-units=16 \
         --target-dir target/aarch64 --message-format json-render-diagnostics
 }
 made=$(mktemp -d)
