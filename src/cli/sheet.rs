@@ -168,7 +168,7 @@ fn tell(traced: &TracedSheet, failures: &mut Failures) {
     if done < of {
         let left = of - done;
         failures.add(format_args!(
-            "stopped by Ctrl-C: {left} of {of} pictures are not done; what there is of them is written"
+            "stopped by a signal: {left} of {of} pictures are not done; what there is of them is written"
         ));
     }
 }

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 /// A render that is over.
 pub(super) struct Traced {
     pub(super) snapshot: Snapshot,
-    /// Ended by Ctrl-C.
+    /// Ended by Ctrl-C or another signal.
     pub(super) interrupted: bool,
     /// From the program's start until every pixel had a sample.
     pub(super) first_image: Option<Duration>,
@@ -103,7 +103,7 @@ pub(super) fn trace(
 /// What there is to know about a finished render.
 pub(super) fn tell(traced: &Traced) {
     let Traced { snapshot, interrupted, first_image } = traced;
-    let early = if *interrupted { "stopped by Ctrl-C: " } else { "" };
+    let early = if *interrupted { "stopped by a signal: " } else { "" };
     let Snapshot { passes, seconds, counts, .. } = snapshot;
     let (done, error) = (progress::passes(*passes), progress::error(snapshot));
     say(format_args!("{early}{done} in {seconds:.2} s{error}"));

@@ -134,7 +134,7 @@ fn render(
     let traced = trace(&session, End::new(passes, None, None), started, &mut None)?;
     tell(&traced);
     if traced.interrupted {
-        return Err(Failure::new("stopped by Ctrl-C before the end: nothing is compared"));
+        return Err(Failure::new("stopped by a signal before the end: nothing is compared"));
     }
     let (tell, told) = channel();
     session.visit_experiment(move |experiment| {

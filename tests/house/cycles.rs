@@ -360,7 +360,7 @@ fn files() -> Files {
 }
 
 /// Cycles that stay, with the reason.
-const LEFT: [(&[&str], &str); 3] = [
+const LEFT: [(&[&str], &str); 2] = [
     (
         &[
             "geometry/accel/analytic",
@@ -376,10 +376,6 @@ const LEFT: [(&[&str], &str); 3] = [
             "geometry/coincident",
         ],
         "the tree, what is built into it and its traversals: methods of one type in several files",
-    ),
-    (
-        &["trace/wavefront/emitter_splitting", "trace/wavefront/shade"],
-        "shading splits paths at emitters, and what the split rays hit is shaded in turn",
     ),
     (
         &["trace/reference/rules", "trace/reference/vertex"],

@@ -6,17 +6,17 @@
 //! averaged, and weighed against light sampling as one of them would be: so the variance of what is found by
 //! light sampling stays, and that of what is hit falls. The path goes on by its own ray alone.
 
-use super::shade::is_black;
+use super::PathBatch;
+use super::emission::AddEmission;
+use super::rays::TraceRays;
 use super::state::{RayBatch, RayQueue};
-use super::{PathBatch, ShadeHits, TraceRays};
-use crate::brdf::{Brdf, BrdfParams, Microfacet};
-use crate::geometry::{Aabb, NO_SURFACE, PacketSlabs, Stack, SurfacePoint, offset_origin};
+use super::vertex::{Scattering, ScatteringVertex, is_black};
+use crate::brdf::{BrdfParams, Microfacet};
+use crate::geometry::{Aabb, NO_SURFACE, PacketSlabs, Stack, offset_origin};
+use crate::math::V3;
 use crate::math::simd::{Bits, Mask, SimdWide, dispatch};
 use crate::math::sobol::{Slot, Stream, pair, unit};
-use crate::math::{Frame, Rgb, V3};
-use crate::trace::lights::LightSampleContext;
 use crate::trace::{RayCounts, Stage, Tracer, Watch};
-use std::marker::PhantomData;
 use std::mem::{swap, take};
 
 /// Number of rays, the path's own among them: a power of 2, so that as many equal parts are the
@@ -35,17 +35,6 @@ pub(super) struct SplitRays {
     pub(super) wanted: bool,
     rounds: [Box<RayQueue>; EXTRA],
     counts: [usize; EXTRA],
-}
-
-/// The primary vertices of a register's worth of paths.
-pub(super) struct PrimaryPoints<'a, P: SimdWide> {
-    pub(super) point: &'a SurfacePoint<P>,
-    pub(super) frame: &'a Frame<P>,
-    pub(super) brdf: &'a Brdf<P>,
-    pub(super) context: &'a LightSampleContext<P>,
-    pub(super) surface_id: P::Bits,
-    pub(super) slot: P::Bits,
-    pub(super) stream: &'a Stream<P::Bits>,
 }
 
 impl Tracer {
@@ -112,11 +101,7 @@ impl Tracer {
     /// Number of rays that leave primary vertices: more than one where they have a sharp lobe and emitters are all
     /// that shines.
     #[inline(always)]
-    pub(super) fn split_count<P: SimdWide>(
-        &self,
-        split_rays: &SplitRays,
-        params: &BrdfParams<P>,
-    ) -> P {
+    fn split_count<P: SimdWide>(&self, split_rays: &SplitRays, params: &BrdfParams<P>) -> P {
         let one = P::splat(1.0);
         if !split_rays.wanted
             || !self.lights.has_no_environment()
@@ -128,34 +113,44 @@ impl Tracer {
         P::select(sharp, P::splat(SPLIT as f32), one)
     }
 
-    /// Adds the split rays of primary vertices, which `beta` arrives at.
+    /// Adds the split rays that leave the points that camera rays hit. Returns the number of rays that
+    /// leave each, the path's own among them.
     #[inline(always)]
     pub(super) fn split_at_points<P: SimdWide, M: Microfacet>(
         &self,
-        split_rays: &mut SplitRays,
-        which_points: P::Mask,
-        from: &PrimaryPoints<P>,
-        beta: Rgb<P>,
-    ) {
-        let PrimaryPoints { point, frame, brdf, context, surface_id, slot, stream } = *from;
+        batch: &mut PathBatch,
+        vertex: &ScatteringVertex<P>,
+        scattering: &Scattering<P>,
+    ) -> P {
+        let one = P::splat(1.0);
+        if vertex.event > 0 {
+            return one;
+        }
+        let split_rays = &mut batch.split_rays;
+        let split = self.split_count(split_rays, &vertex.params);
+        let sharp = vertex.go & split.gt(one);
+        if !sharp.any() {
+            return split;
+        }
+        let &ScatteringVertex { ref point, surface_id, slot, .. } = vertex;
+        let Scattering { brdf, context, stream, .. } = scattering;
         let mis_fraction = P::splat(1.0 / SPLIT as f32);
         for which in 0..EXTRA {
-            let stream = stream.one_of(EXTRA as u32, which as u32);
-            let [lobe_choice, _] = stream.pair_bits(Slot::SPLIT_CHOICE);
-            let u = pair::<P>(&stream, Slot::SPLIT_DIRECTION);
+            let split_stream = stream.one_of(EXTRA as u32, which as u32);
+            let [lobe_choice, _] = split_stream.pair_bits(Slot::SPLIT_CHOICE);
+            let u = pair::<P>(&split_stream, Slot::SPLIT_DIRECTION);
             let next = brdf.sample::<M>(unit::<P>(lobe_choice), u);
-            let d = frame.to_world(next.wi);
+            let d = vertex.frame.to_world(next.wi);
             let cos = M::cosine(next.wi.z);
-            let beta = beta * next.f * (cos / next.pdf);
+            let beta = vertex.beta * next.f * (cos / next.pdf);
             let zero = P::splat(0.0);
             let leaves = next.pdf.gt(zero) & M::cosine(point.ng.dot(d)).gt(zero);
-            let goes = which_points & leaves & !is_black(beta);
+            let goes = sharp & leaves & !is_black(beta);
             let o = offset_origin(point.p, point.error, point.ng, d);
             let goes = goes & self.lights.may_hit_emitter(o, d);
             let pdf = next.pdf;
-            let stream = from.stream;
             let lead = P::Bits::splat(0);
-            let way = RayBatch {
+            let ray = RayBatch {
                 o,
                 d,
                 beta,
@@ -169,8 +164,9 @@ impl Tracer {
                 stream,
             };
             let (rays, end) = (&mut split_rays.rounds[which], split_rays.counts[which]);
-            split_rays.counts[which] += rays.push::<P>(end, goes, &way, &self.lights, 0);
+            split_rays.counts[which] += rays.push::<P>(end, goes, &ray, &self.lights, 0);
         }
+        split
     }
 }
 
@@ -183,18 +179,17 @@ impl SplitRays {
 }
 
 /// Sends the split rays on, to the emitters that they hit.
-pub(super) struct TraceSplitRays<'a, M> {
+pub(super) struct TraceSplitRays<'a> {
     pub(super) tracer: &'a Tracer,
     pub(super) batch: &'a mut PathBatch,
     /// What they arrive at.
     pub(super) event: u32,
     pub(super) stack: &'a mut Stack,
-    pub(super) model: PhantomData<M>,
 }
 
-impl<M: Microfacet> TraceSplitRays<'_, M> {
+impl TraceSplitRays<'_> {
     pub(super) fn run(self, rays: &mut u64, counts: &mut RayCounts, watch: Watch) {
-        let TraceSplitRays { tracer, batch, event, stack, model } = self;
+        let TraceSplitRays { tracer, batch, event, stack } = self;
         let isa = tracer.scene.bvh().isa();
         for round in 0..EXTRA {
             let count = take(&mut batch.split_rays.counts[round]);
@@ -207,7 +202,7 @@ impl<M: Microfacet> TraceSplitRays<'_, M> {
             *rays += count as u64;
             counts.nearest += count as u64;
             watch(Stage::Trace, count);
-            dispatch(isa, ShadeHits { tracer, batch, count, event, last: true, model });
+            dispatch(isa, AddEmission { tracer, batch, count, event });
             watch(Stage::Shade, count);
             swap(&mut batch.paths, &mut batch.split_rays.rounds[round]);
         }

@@ -7,27 +7,37 @@
 //! numbers alone, never on who else is in the batch; what it is given by [others](reuse), on its
 //! group.
 
+mod camera;
+mod direct_light;
+mod emission;
 mod emitter_splitting;
 mod first_hit_cache;
 mod hits;
 mod light_contexts;
+mod light_sums;
 mod rays;
 mod reuse;
+mod scatter;
 mod shade;
 mod state;
+mod vertex;
 
-use super::{Contribution, DEPTH_CAP, PixelBatch, RayCounts, Scratch, Stage, Tracer, Watch};
+use super::{Contribution, DEPTH_CAP, PixelBatch, Scratch, Stage, Tracer, Watch};
 use crate::brdf::Microfacet;
-use crate::geometry::{NO_SURFACE, Stack};
-use crate::math::simd::{Bits, Kernel, Simd8, SimdWide, dispatch, first_lanes};
+use crate::math::Rgb;
+use crate::math::simd::dispatch;
 use crate::math::soa::{BATCH, Soa};
-use crate::math::sobol::{PassKey, Slot, Stream, pair};
-use crate::math::{Rgb, V3};
+use crate::math::sobol::PassKey;
 use crate::scene::Material;
+use camera::GenerateCameraRays;
+use direct_light::TraceShadowRays;
+use emission::AddEmission;
 use emitter_splitting::{SplitRays, TraceSplitRays};
 pub use first_hit_cache::FirstHits;
 use hits::{Hits, MaterialTable};
-use reuse::{PrimaryVertices, ReuseVertices};
+use rays::TraceRays;
+use reuse::{FindVisibility, GatherLight, PrimaryVertices, ReuseVertices};
+use shade::ShadeHits;
 use state::{RayQueue, ShadowQueue};
 use std::marker::PhantomData;
 
@@ -47,6 +57,8 @@ impl Tables {
 #[derive(Clone, Debug, Default)]
 pub(super) struct PathBatch {
     paths: Box<RayQueue>,
+    /// Columns and rows, by place in the batch.
+    pixels: [Soa<u32>; 2],
     /// Of the passes that the paths belong to, by place in the batch.
     salts: Soa<u32>,
     hits: Hits,
@@ -61,7 +73,6 @@ pub(super) struct PathBatch {
     /// Where groups of places end that share; nothing where none do.
     ends: Vec<u32>,
     shares: bool,
-    contribution: Contribution,
     /// Paths that were ended for their throughput.
     capped: u64,
 }
@@ -137,9 +148,7 @@ impl Tracer {
             }
             return;
         }
-        scratch.batch.contribution = pixel_batch.contribution;
         self.together(pixel_batch, round, scratch, &mut |_, _| {});
-        scratch.batch.contribution = Contribution::Whole;
         for (&pixel, &radiance) in pixel_batch.pixels.iter().zip(&scratch.batch.radiance) {
             each(pixel, radiance.into());
         }
@@ -180,11 +189,8 @@ impl Tracer {
         scratch: &mut Scratch,
         watch: Watch,
     ) {
-        // Columns and rows lie where the slots and keys will be.
-        let PathBatch { paths, salts, ends, .. } = &mut *scratch.batch;
-        for ((x, y), pixel) in
-            paths.slot.0.iter_mut().zip(&mut paths.key.0).zip(&pixel_batch.pixels)
-        {
+        let PathBatch { pixels: [columns, rows], paths, salts, ends, .. } = &mut *scratch.batch;
+        for ((x, y), pixel) in columns.0.iter_mut().zip(&mut rows.0).zip(&pixel_batch.pixels) {
             [*x, *y] = *pixel;
         }
         for (places, pass) in pixel_batch.passes(round.pass) {
@@ -195,13 +201,15 @@ impl Tracer {
         }
         ends.clear();
         ends.extend_from_slice(&pixel_batch.ends);
-        self.follow::<M>(pixel_batch.pixels.len().min(BATCH), round, scratch, watch);
+        let (count, contribution) = (pixel_batch.pixels.len().min(BATCH), pixel_batch.contribution);
+        self.follow::<M>(count, contribution, round, scratch, watch);
     }
 
     /// The paths of the batch, from the camera to their ends.
     fn follow<M: Microfacet>(
         &self,
         mut count: usize,
+        contribution: Contribution,
         BatchOptions { block, first_hits, split, .. }: BatchOptions,
         scratch: &mut Scratch,
         watch: Watch,
@@ -215,12 +223,11 @@ impl Tracer {
             batch.primary.there.0.fill(0);
             batch.reuse.clear(count);
         }
-        batch.split_rays.begin(split && batch.contribution != Contribution::Shared);
+        batch.split_rays.begin(split && contribution != Contribution::Shared);
         dispatch(isa, GenerateCameraRays { tracer: self, batch, count, block });
         watch(Stage::Start, count);
         let model = PhantomData::<M>;
-        let look = TraceSplitRays { tracer: self, batch, event: 0, stack, model };
-        look.run(rays, counts, watch);
+        TraceSplitRays { tracer: self, batch, event: 0, stack }.run(rays, counts, watch);
         for event in 0.. {
             let kept = first_hits.filter(|_| event == 0);
             let known = kept.is_some_and(|kept| kept.recall(&mut batch.hits, count));
@@ -235,8 +242,11 @@ impl Tracer {
             }
             watch(Stage::Trace, count);
             let last = event >= self.max_depth || event >= DEPTH_CAP;
-            let shade = ShadeHits { tracer: self, batch, count, event, last, model };
-            let going = dispatch(isa, shade);
+            let going = if last {
+                dispatch(isa, AddEmission { tracer: self, batch, count, event })
+            } else {
+                dispatch(isa, ShadeHits { tracer: self, batch, count, event, model })
+            };
             watch(Stage::Shade, count);
             if event >= DEPTH_CAP && event < self.max_depth {
                 *capped += going as u64;
@@ -249,8 +259,7 @@ impl Tracer {
             counts.tree_rays += dispatch(isa, TraceShadowRays { tracer: self, batch, stack });
             watch(Stage::Shadow, batch.shadows.count);
             if event == 0 {
-                let look = TraceSplitRays { tracer: self, batch, event: 1, stack, model };
-                look.run(rays, counts, watch);
+                TraceSplitRays { tracer: self, batch, event: 1, stack }.run(rays, counts, watch);
             }
             if going == 0 {
                 break;
@@ -258,7 +267,7 @@ impl Tracer {
             count = going;
         }
         *capped += std::mem::take(&mut batch.capped);
-        match batch.contribution {
+        match contribution {
             Contribution::Shared if batch.shares => batch.radiance.fill([0.0; 3]),
             Contribution::Own => return,
             _ => {}
@@ -273,8 +282,7 @@ impl Tracer {
             counts.tree_rays += found.tree_rays;
             *rays += found.visibility_rays;
             watch(Stage::Visibility, batch.reuse.count);
-            counts.glossy +=
-                dispatch(isa, GatherLight { tracer: self, batch, model: PhantomData::<M> });
+            counts.glossy += dispatch(isa, GatherLight { tracer: self, batch, model });
             watch(Stage::Gather, batch.reuse.count);
         }
     }
@@ -286,151 +294,5 @@ impl PathBatch {
     #[inline(always)]
     fn light_samples(&self, event: u32) -> u32 {
         if self.shares && event == 0 { LIGHT_SAMPLES } else { 1 }
-    }
-}
-
-/// What light is added to: what the path itself found; what arrives at its reuse vertex from the light
-/// that was asked; what arrives there from the direction sampled, by reflection.
-const RADIANCE: u32 = 0;
-const FROM_LIGHT: u32 = 1;
-const REFLECTED: u32 = 2;
-
-/// Camera rays of the pixels whose columns and rows lie where the slots and keys will be.
-struct GenerateCameraRays<'a> {
-    tracer: &'a Tracer,
-    batch: &'a mut PathBatch,
-    count: usize,
-    block: u32,
-}
-
-impl Kernel for GenerateCameraRays<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run<W: Simd8, P: SimdWide>(self) {
-        let GenerateCameraRays { tracer, batch, count, block } = self;
-        let PathBatch { paths, salts, split_rays, .. } = batch;
-        let emitter_boxes =
-            if split_rays.wanted { tracer.emitter_boxes(block) } else { Vec::new() };
-        let side = P::splat(block as f32);
-        let eye = tracer.camera.eye().splat_lanes::<P>();
-        for at in (0..count).step_by(P::WIDTH) {
-            let (x, y) = (paths.slot.load::<P>(at), paths.key.load::<P>(at));
-            let (salt, index) = (salts.load::<P>(at), paths.index.load::<P>(at));
-            let stream = Stream::of_pixels(x, y, salt, index);
-            let [dx, dy] = pair::<P>(&stream, Slot::CAMERA);
-            let d = tracer
-                .camera
-                .direction((P::from_small(x) + dx) * side, (P::from_small(y) + dy) * side);
-            paths.o.store(at, eye);
-            paths.d.store(at, d);
-            paths.beta.store(at, V3::splat(P::splat(1.0)));
-            let mut mis_fraction = P::splat(1.0);
-            if !emitter_boxes.is_empty() {
-                let live = P::mask(first_lanes(count - at));
-                let place = [P::from_small(x), P::from_small(y)];
-                let slots: [u32; 16] = std::array::from_fn(|lane| (at + lane) as u32);
-                let path = (P::load_bits(&slots), &stream);
-                mis_fraction =
-                    tracer.split_camera_rays(split_rays, &emitter_boxes, live, place, side, path);
-            }
-            paths.mis_fraction.store(at, mis_fraction);
-            paths.surface_id.store::<P>(at, P::Bits::splat(NO_SURFACE));
-            paths.key.store::<P>(at, stream.key());
-            paths.lead.store::<P>(at, P::Bits::splat(0));
-        }
-        for (slot, place) in paths.slot.0.iter_mut().zip(0..count as u32) {
-            *slot = place;
-        }
-    }
-}
-
-/// Finds what the rays hit: large quads by the register, the rest one by one.
-struct TraceRays<'a> {
-    tracer: &'a Tracer,
-    batch: &'a mut PathBatch,
-    count: usize,
-    /// Whether all was hit before.
-    known: bool,
-    stack: &'a mut Stack,
-}
-
-impl Kernel for TraceRays<'_> {
-    /// How many went through the tree.
-    type Output = u64;
-    #[inline(always)]
-    fn run<W: Simd8, P: SimdWide>(self) -> u64 {
-        let TraceRays { tracer, batch, count, known, stack } = self;
-        let tree_rays = if known { 0 } else { tracer.trace::<W, P>(batch, count, stack) };
-        batch.hits.fetch::<W>(tracer.scene.geometry(), &batch.paths, count);
-        if !known {
-            batch.hits.resolve::<P>(&batch.paths, count);
-        }
-        tree_rays
-    }
-}
-
-/// [`Tracer::shade`]
-struct ShadeHits<'a, M> {
-    tracer: &'a Tracer,
-    batch: &'a mut PathBatch,
-    count: usize,
-    event: u32,
-    last: bool,
-    model: PhantomData<M>,
-}
-
-impl<M: Microfacet> Kernel for ShadeHits<'_, M> {
-    type Output = usize;
-    #[inline(always)]
-    fn run<W: Simd8, P: SimdWide>(self) -> usize {
-        let ShadeHits { tracer, batch, count, event, last, .. } = self;
-        tracer.shade::<P, M>(batch, count, event, last)
-    }
-}
-
-/// Adds the light of those shadow rays that hit nothing.
-struct TraceShadowRays<'a> {
-    tracer: &'a Tracer,
-    batch: &'a mut PathBatch,
-    stack: &'a mut Stack,
-}
-
-impl Kernel for TraceShadowRays<'_> {
-    /// How many went through the tree.
-    type Output = u64;
-    #[inline(always)]
-    fn run<W: Simd8, P: SimdWide>(self) -> u64 {
-        self.tracer.trace_shadow_rays::<W, P>(self.batch, self.stack)
-    }
-}
-
-/// [`Tracer::find_visibility`]
-struct FindVisibility<'a> {
-    tracer: &'a Tracer,
-    batch: &'a mut PathBatch,
-    stack: &'a mut Stack,
-}
-
-impl Kernel for FindVisibility<'_> {
-    type Output = RayCounts;
-    #[inline(always)]
-    fn run<W: Simd8, P: SimdWide>(self) -> RayCounts {
-        self.tracer.find_visibility::<W, P>(self.batch, self.stack)
-    }
-}
-
-/// [`Tracer::gather_light`]
-struct GatherLight<'a, M> {
-    tracer: &'a Tracer,
-    batch: &'a mut PathBatch,
-    model: PhantomData<M>,
-}
-
-impl<M: Microfacet> Kernel for GatherLight<'_, M> {
-    /// How often a specular lobe was evaluated.
-    type Output = u64;
-    #[inline(always)]
-    fn run<W: Simd8, P: SimdWide>(self) -> u64 {
-        self.tracer.gather_light::<P, M>(self.batch)
     }
 }

@@ -1,6 +1,8 @@
 //! Rays on their way, one array a component.
 
 use super::light_contexts::LightSampleContexts;
+#[cfg(doc)]
+use super::light_sums::LightSum;
 use crate::geometry::Ray;
 use crate::math::simd::{Mask, SimdWide};
 use crate::math::soa::{FOURFOLD, Soa, Soa3};
@@ -59,8 +61,8 @@ pub(super) struct ShadowQueue {
     pub(super) light: Soa3<FOURFOLD>,
     /// The surfaces where they begin and end.
     pub(super) surface_ids: [Soa<u32, FOURFOLD>; 2],
-    /// Place in the batch, and which sum the light belongs to: `slot + (sum << 16)`.
-    pub(super) slot: Soa<u32, FOURFOLD>,
+    /// Place in the batch, and which sum of it the light belongs to: [`LightSum::of`] takes them apart.
+    pub(super) tagged_slot: Soa<u32, FOURFOLD>,
 }
 
 impl RayQueue {
@@ -70,24 +72,24 @@ impl RayQueue {
         &mut self,
         at: usize,
         which: P::Mask,
-        way: &RayBatch<P>,
+        ray: &RayBatch<P>,
         lights: &Lights,
         event: u32,
     ) -> usize {
-        self.o.push::<P>(at, which, way.o);
-        self.d.push::<P>(at, which, way.d);
-        self.beta.push_rgb::<P>(at, which, way.beta);
-        self.pdf.push::<P>(at, which, way.pdf);
+        self.o.push::<P>(at, which, ray.o);
+        self.d.push::<P>(at, which, ray.d);
+        self.beta.push_rgb::<P>(at, which, ray.beta);
+        self.pdf.push::<P>(at, which, ray.pdf);
         if event == 0 {
-            self.mis_fraction.push::<P>(at, which, way.mis_fraction);
+            self.mis_fraction.push::<P>(at, which, ray.mis_fraction);
         }
-        self.cos.push::<P>(at, which, way.cos);
-        self.from.push::<P>(at, which, way.context, lights, event);
-        self.surface_id.push::<P>(at, which, way.surface_id);
-        self.slot.push::<P>(at, which, way.slot);
-        self.lead.push::<P>(at, which, way.lead);
-        self.key.push::<P>(at, which, way.stream.key());
-        self.index.push::<P>(at, which, way.stream.index());
+        self.cos.push::<P>(at, which, ray.cos);
+        self.from.push::<P>(at, which, ray.context, lights, event);
+        self.surface_id.push::<P>(at, which, ray.surface_id);
+        self.slot.push::<P>(at, which, ray.slot);
+        self.lead.push::<P>(at, which, ray.lead);
+        self.key.push::<P>(at, which, ray.stream.key());
+        self.index.push::<P>(at, which, ray.stream.index());
         which.bits().count_ones() as usize
     }
 

@@ -2,25 +2,30 @@
 
 use super::super::PathBatch;
 use super::super::hits::MaterialTable;
-use super::super::shade::is_black;
+use super::super::vertex::is_black;
 use super::{LARGEST, PrimaryVertices, ReuseVertices, Runs};
 use crate::brdf::{Brdf, BrdfParams, Microfacet};
 use crate::geometry::bent;
-use crate::math::simd::{Mask, SimdWide};
+use crate::math::simd::{Kernel, Mask, Simd8, SimdWide};
 use crate::math::special::INV_PI;
 use crate::math::{Frame, Rgb, V3};
 use crate::trace::Tracer;
+use std::marker::PhantomData;
 
-impl Tracer {
-    /// Adds to each path what the reuse vertices of its group send its way. Returns how often a
-    /// specular lobe was evaluated for it.
+/// Adds to each path what the reuse vertices of its group send its way.
+pub(in super::super) struct GatherLight<'a, M> {
+    pub(in super::super) tracer: &'a Tracer,
+    pub(in super::super) batch: &'a mut PathBatch,
+    pub(in super::super) model: PhantomData<M>,
+}
+
+impl<M: Microfacet> Kernel for GatherLight<'_, M> {
+    /// How often a specular lobe was evaluated.
+    type Output = u64;
     #[inline(always)]
-    pub(in super::super) fn gather_light<P: SimdWide, M: Microfacet>(
-        &self,
-        batch: &mut PathBatch,
-    ) -> u64 {
-        let PathBatch { primary, reuse, ends, radiance, .. } = batch;
-        let materials = &self.tables.materials;
+    fn run<W: Simd8, P: SimdWide>(self) -> u64 {
+        let PathBatch { primary, reuse, ends, radiance, .. } = self.batch;
+        let materials = &self.tracer.tables.materials;
         let mut viewers: Vec<Viewers<P>> = Vec::with_capacity(LARGEST / P::WIDTH);
         let mut pairs = PairTerms::default();
         let mut run = Runs::new(ends);

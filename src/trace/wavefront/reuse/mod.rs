@@ -36,6 +36,9 @@ mod gather;
 mod tests;
 mod visibility;
 
+pub(super) use gather::GatherLight;
+pub(super) use visibility::FindVisibility;
+
 use crate::geometry::SurfacePoint;
 use crate::math::simd::{Bits, Mask, SimdWide};
 use crate::math::soa::{Soa, Soa3};

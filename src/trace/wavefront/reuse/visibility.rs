@@ -4,21 +4,25 @@ use super::super::PathBatch;
 use super::Runs;
 use crate::geometry::{PointSoa, Stack};
 use crate::math::V3;
-use crate::math::simd::{Bits, Mask, Simd8, SimdWide, first_lanes};
+use crate::math::simd::{Bits, Kernel, Mask, Simd8, SimdWide, first_lanes};
 use crate::trace::lights::SHADOW_END;
 use crate::trace::{RayCounts, Tracer};
 
-impl Tracer {
-    /// Finds which primary vertices see which reuse vertices of their groups. Returns what was done
-    /// for it.
+/// Finds which primary vertices see which reuse vertices of their groups.
+pub(in super::super) struct FindVisibility<'a> {
+    pub(in super::super) tracer: &'a Tracer,
+    pub(in super::super) batch: &'a mut PathBatch,
+    pub(in super::super) stack: &'a mut Stack,
+}
+
+impl Kernel for FindVisibility<'_> {
+    /// What was done for it.
+    type Output = RayCounts;
     #[inline(always)]
-    pub(in super::super) fn find_visibility<W: Simd8, P: SimdWide>(
-        &self,
-        batch: &mut PathBatch,
-        stack: &mut Stack,
-    ) -> RayCounts {
+    fn run<W: Simd8, P: SimdWide>(self) -> RayCounts {
+        let FindVisibility { tracer, batch, stack } = self;
         let PathBatch { primary, reuse, ends, .. } = batch;
-        let (bvh, geometry) = (self.scene.bvh(), self.scene.geometry());
+        let (bvh, geometry) = (tracer.scene.bvh(), tracer.scene.geometry());
         let from = &primary.point;
         let points = PointSoa {
             p: &from.p,
@@ -30,7 +34,7 @@ impl Tracer {
         let zero = P::splat(0.0);
         let mut pairs = 0;
         let mut run = Runs::new(ends);
-        let any_lead = P::mask(if self.max_depth == u32::MAX { u32::MAX } else { 0 });
+        let any_lead = P::mask(if tracer.max_depth == u32::MAX { u32::MAX } else { 0 });
         reuse.seen.clear();
         reuse.seen.resize(reuse.count, 0);
         for at in 0..reuse.count {
