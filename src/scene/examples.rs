@@ -80,7 +80,7 @@ pub static EXAMPLES: [Example; 8] = [
     Example {
         name: "urchin",
         title: "Sea urchins",
-        shows: "643,800 triangles under three glazes: knobs by the hundred, each with its highlight",
+        shows: "386,280 triangles under three glazes: knobs by the hundred, each with its highlight",
         text: include_bytes!("../../assets/scenes/urchin.scn"),
         models: files!["urchin.ply"],
     },

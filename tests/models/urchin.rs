@@ -10,14 +10,14 @@ use super::model::{Model, Point};
 use std::f64::consts::TAU;
 
 /// Points around the axis; a multiple of ten, so that all sectors are alike.
-const AROUND: u32 = 370;
+const AROUND: u32 = 290;
 /// The map's upper and lower edge: where the holes are.
 const EDGES: [f64; 2] = [2.35, -1.75];
 /// Rows of points on the outside: as far from one another on the map as the points around.
-const ROWS: u32 = 242;
+const ROWS: u32 = 190;
 /// Rows on each rim and inside.
 const RIM: u32 = 8;
-const INSIDE: u32 = 32;
+const INSIDE: u32 = 16;
 /// Of the wall, in radii of the ball.
 const THICKNESS: f64 = 0.045;
 /// Half the height of the ball above its waist and below, in radii.

@@ -136,7 +136,7 @@ impl Tracer {
             if self.lights.count() > 0
                 && let light = self.lights.sample(bvh, geometry, &context, choice, u)
                 && light.found
-                && let Some(wi) = vertex.inwards(rules, light.wi)
+                && let Some(wi) = rules.inwards(&vertex, light.wi)
             {
                 let e = rules.eval(&brdf, wi);
                 let weight = rules.w_light(strategy, light.pdf, e.pdf);

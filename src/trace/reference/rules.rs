@@ -21,6 +21,14 @@ pub(super) trait Rules: Sized {
     /// [`Microfacet::cosine`].
     fn cosine(&self, cos: f32) -> f32;
 
+    /// A world direction in the vertex's frame, where both normals have it on the viewer's side.
+    #[inline(always)]
+    fn inwards(&self, vertex: &PathPoint, wi: V3) -> Option<V3> {
+        let local = vertex.frame.to_local(wi);
+        let both = self.cosine(local.z) > 0.0 && self.cosine(vertex.ng.dot(wi)) > 0.0;
+        both.then_some(local)
+    }
+
     /// The number by which a light is chosen, from a uniform one.
     #[inline(always)]
     fn light_choice(&self, choice: f32) -> f32 {

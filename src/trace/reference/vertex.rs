@@ -1,6 +1,5 @@
 //! A surface point of a path, seen from the side of the viewer.
 
-use super::rules::Rules;
 use crate::geometry::{SurfacePoint, offset_origin};
 use crate::math::{Frame, V3};
 
@@ -23,14 +22,6 @@ impl PathPoint {
         let frame = Frame::around(point.normal_for(wo).0);
         let wo = frame.to_local(wo);
         (wo.z > 0.0).then_some(PathPoint { point, ng: point.ng, frame, wo })
-    }
-
-    /// A world direction in the frame, where both normals have it on the viewer's side.
-    #[inline(always)]
-    pub(super) fn inwards<R: Rules>(&self, rules: &R, wi: V3) -> Option<V3> {
-        let local = self.frame.to_local(wi);
-        let both = rules.cosine(local.z) > 0.0 && rules.cosine(self.ng.dot(wi)) > 0.0;
-        both.then_some(local)
     }
 
     /// Where a ray in this direction starts.

@@ -48,8 +48,7 @@ impl Tracer {
             light.pdf = light.pdf * P::splat(count as f32);
             let wi = frame.to_local(light.wi);
             // What is below the one viewer's normal may be above the other's.
-            let above = M::cosine(point.ng.dot(light.wi)).gt(zero)
-                & (M::cosine(wi.z).gt(zero) | role.reuse);
+            let above = point.ng.dot(light.wi).gt(zero) & (wi.z.gt(zero) | role.reuse);
             let mut traced = go & light.found & above;
             if !traced.any() {
                 continue;
@@ -59,14 +58,14 @@ impl Tracer {
             traced = traced & way.hits;
             let e = brdf.eval::<M>(wi);
             let weight = power_heuristic(light.pdf, e.pdf);
-            let reflected = beta * light.radiance * e.f * (M::cosine(wi.z) / light.pdf * weight);
+            let reflected = beta * light.radiance * e.f * (wi.z / light.pdf * weight);
             if role.reuse.any() {
                 kept.wi = wi;
                 if bends.any() {
                     kept.wi = V3::select(*bends, agreed.to_local(light.wi), wi);
                 }
                 kept.pdf = light.pdf.or_zero(traced);
-                kept.f_cos = e.f * M::cosine(frame.to_local(light.wi).z);
+                kept.f_cos = e.f * frame.to_local(light.wi).z;
                 kept.bsdf_pdf = e.pdf;
             }
             traced = traced & (role.reuse | !is_black(reflected));

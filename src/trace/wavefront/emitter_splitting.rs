@@ -141,10 +141,10 @@ impl Tracer {
             let u = pair::<P>(&split_stream, Slot::SPLIT_DIRECTION);
             let next = brdf.sample::<M>(unit::<P>(lobe_choice), u);
             let d = vertex.frame.to_world(next.wi);
-            let cos = M::cosine(next.wi.z);
+            let cos = next.wi.z;
             let beta = vertex.beta * next.f * (cos / next.pdf);
             let zero = P::splat(0.0);
-            let leaves = next.pdf.gt(zero) & M::cosine(point.ng.dot(d)).gt(zero);
+            let leaves = next.pdf.gt(zero) & point.ng.dot(d).gt(zero);
             let goes = sharp & leaves & !is_black(beta);
             let o = offset_origin(point.p, point.error, point.ng, d);
             let goes = goes & self.lights.may_hit_emitter(o, d);

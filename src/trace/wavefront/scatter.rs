@@ -31,9 +31,9 @@ impl Tracer {
         let u = pair::<P>(stream, Slot::direction(event));
         let next = brdf.sample::<M>(unit::<P>(scattering.lobe_choice), u);
         let d = vertex.frame.to_world(next.wi);
-        let cos = M::cosine(next.wi.z);
+        let cos = next.wi.z;
         let scattered = next.f * (cos / next.pdf);
-        let leaves = next.pdf.gt(P::splat(0.0)) & M::cosine(point.ng.dot(d)).gt(P::splat(0.0));
+        let leaves = next.pdf.gt(P::splat(0.0)) & point.ng.dot(d).gt(P::splat(0.0));
         let beta = select(role.reuse, scattered, vertex.beta * scattered);
         let goes = go & leaves & !is_black(beta);
         let primary = vertex.primary();
