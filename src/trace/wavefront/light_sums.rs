@@ -104,15 +104,43 @@ impl<P: SimdWide> ReuseRole<P> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::simd::{Mask, U32};
+
+    /// The module's table, by the number of points from the primary vertex on: the sum of emission,
+    /// unless it is kept, and that of light sampled.
+    fn table(points: Option<u32>) -> (Option<LightSum>, LightSum) {
+        match points {
+            None | Some(0) => (Some(LightSum::Radiance), LightSum::Radiance),
+            Some(1) => (Some(LightSum::Radiance), LightSum::FromLight),
+            Some(2) => (None, LightSum::Reflected),
+            Some(_) => (Some(LightSum::Reflected), LightSum::Reflected),
+        }
+    }
+
+    fn sums(role: &ReuseRole<f32>, place: u32) -> (Option<LightSum>, LightSum) {
+        let emission = LightSum::of_emission(role.later.bits(), 0);
+        let (sampled, at) = LightSum::of(place + role.sampled_light_tag().0);
+        assert_eq!(at, place as usize);
+        ((!role.after.any()).then_some(emission), sampled)
+    }
 
     #[test]
-    fn a_tagged_place_gives_back_sum_and_place() {
-        for sum in [LightSum::Radiance, LightSum::FromLight, LightSum::Reflected] {
-            for place in [0, 1, 255, 511] {
-                assert_eq!(
-                    LightSum::of(place + ((sum as u32) << PLACE_BITS)),
-                    (sum, place as usize)
-                );
+    fn light_goes_where_the_table_says_behind_any_number_of_mirrors() {
+        for mirrors in 0..5 {
+            let mut lead = U32(0);
+            let passed = mirrors.min(MOST_MIRRORS);
+            for event in 0..12 {
+                let mirror = f32::mask(if event < mirrors { u32::MAX } else { 0 });
+                let role = ReuseRole::<f32>::of(true, lead, event, mirror);
+                lead = role.lead;
+                let points = event.checked_sub(passed);
+                assert_eq!(role.primary.any(), points == Some(0), "{mirrors} {event}");
+                assert_eq!(role.reuse.any(), points == Some(1), "{mirrors} {event}");
+                for place in [0, 1, 255, 511] {
+                    assert_eq!(sums(&role, place), table(points), "{mirrors} {event}");
+                }
+                let alone = ReuseRole::<f32>::of(false, U32(0), event, mirror);
+                assert_eq!(sums(&alone, 7), table(None), "{mirrors} {event}");
             }
         }
     }
