@@ -6,6 +6,7 @@ pub mod frame;
 pub(crate) mod gather_table;
 #[cfg(test)]
 pub(crate) mod numbers;
+pub(crate) mod record;
 pub mod simd;
 pub(crate) mod soa;
 pub mod sobol;

@@ -181,6 +181,10 @@ pub trait Simd8: Simd {
     fn prefetch<T>(thing: &T);
 }
 
+/// The largest [`Simd::WIDTH`] of any [`SimdWide`]: an array of this length has room for any
+/// register.
+pub(crate) const MAX_WIDTH: usize = 16;
+
 /// A SIMD type as wide as the machine's registers, with a way into memory and out of it: what
 /// batches of paths are computed with.
 pub trait SimdWide: Simd {

@@ -5,6 +5,7 @@
 //! light has an extent, cosines and the BRDF's lobe are taken at their best over it.
 
 use crate::brdf::BrdfParams;
+use crate::math::record::gather_record;
 use crate::math::simd::Simd;
 use crate::math::special::INV_PI;
 use crate::math::{Frame, Mask, V3};
@@ -103,85 +104,29 @@ impl<L: Simd> GlossyContext<L> {
     }
 }
 
-/// The extent, power and directions of a light or of several. Sides of a surface emit alike.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct LightBounds<L = f32> {
-    pub(super) centre: V3<L>,
-    /// Half the box's size.
-    pub(super) half: V3<L>,
-    /// All is within this of the centre.
-    pub(super) radius: L,
-    /// All normals are within a cone about this, either way round...
-    pub(super) axis: V3<L>,
-    /// ...of this half angle, at most a right one.
-    pub(super) cos: L,
-    pub(super) sin: L,
-    /// How far off the centre a plane along a normal may pass: 0 for one flat light.
-    pub(super) slack: L,
-    /// As large as seen from the front.
-    pub(super) area: L,
-    /// Of the radiance, on the mean over the area; in units of the brightest light's.
-    pub(super) luminance: L,
-}
-
-/// Numbers in a [`LightBounds`].
-pub(super) const FIELDS: usize = 15;
-
-impl LightBounds {
-    pub(super) fn fields(&self) -> [f32; FIELDS] {
-        let LightBounds { centre: c, half: h, axis: a, .. } = self;
-        [
-            c.x,
-            c.y,
-            c.z,
-            h.x,
-            h.y,
-            h.z,
-            self.radius,
-            a.x,
-            a.y,
-            a.z,
-            self.cos,
-            self.sin,
-            self.slack,
-            self.area,
-            self.luminance,
-        ]
-    }
-
-    #[inline(always)]
-    pub(super) fn splat<L: Simd>(&self) -> LightBounds<L> {
-        LightBounds {
-            centre: self.centre.splat_lanes(),
-            half: self.half.splat_lanes(),
-            radius: L::splat(self.radius),
-            axis: self.axis.splat_lanes(),
-            cos: L::splat(self.cos),
-            sin: L::splat(self.sin),
-            slack: L::splat(self.slack),
-            area: L::splat(self.area),
-            luminance: L::splat(self.luminance),
-        }
+gather_record! {
+    /// The extent, power and directions of a light or of several. Sides of a surface emit alike.
+    pub(super) struct LightBounds {
+        pub(super) centre: V3,
+        /// Half the box's size.
+        pub(super) half: V3,
+        /// All is within this of the centre.
+        pub(super) radius: f32,
+        /// All normals are within a cone about this, either way round...
+        pub(super) axis: V3,
+        /// ...of this half angle, at most a right one.
+        pub(super) cos: f32,
+        pub(super) sin: f32,
+        /// How far off the centre a plane along a normal may pass: 0 for one flat light.
+        pub(super) slack: f32,
+        /// As large as seen from the front.
+        pub(super) area: f32,
+        /// Of the radiance, on the mean over the area; in units of the brightest light's.
+        pub(super) luminance: f32,
     }
 }
 
 impl<L: Simd> LightBounds<L> {
-    /// From [`LightBounds::fields`].
-    #[inline(always)]
-    pub(super) fn from_fields(f: &[L]) -> LightBounds<L> {
-        LightBounds {
-            centre: V3::new(f[0], f[1], f[2]),
-            half: V3::new(f[3], f[4], f[5]),
-            radius: f[6],
-            axis: V3::new(f[7], f[8], f[9]),
-            cos: f[10],
-            sin: f[11],
-            slack: f[12],
-            area: f[13],
-            luminance: f[14],
-        }
-    }
-
     /// The light that may come to a surface: irradiance, or radiance to the viewer where he is
     /// known.
     #[inline(always)]

@@ -9,6 +9,7 @@
 
 mod importance;
 mod merge_triangles;
+mod record;
 mod sample;
 mod spherical_rectangle;
 #[cfg(test)]
@@ -19,12 +20,12 @@ pub(super) use importance::LightSampleContext;
 pub(super) use sample::{LightSample, SHADOW_END};
 
 use crate::geometry::{Aabb, Bvh, Geometry, Kind, NO_SURFACE, PacketSlabs};
-use crate::math::gather_table::GatherTable;
-use crate::math::simd::{Bits, Simd, SimdWide};
+use crate::math::record::RecordField;
+use crate::math::simd::{Bits, MAX_WIDTH, Simd, SimdWide};
 use crate::math::{Rgb, V3, warp};
 use crate::scene::{Material, Scene};
 use importance::LightBounds;
-use sample::{FIELDS, LightShape};
+use record::{LightShape, LightTable};
 use std::f32::consts::PI;
 use tree::LightBvh;
 
@@ -45,7 +46,7 @@ const NONE: u32 = u32::MAX;
 /// All that emits.
 #[derive(Debug)]
 pub(super) struct Lights {
-    records: GatherTable<FIELDS>,
+    records: LightTable,
     /// What is looked at: every light, or branches of the tree.
     branches: Vec<LightBounds>,
     /// What they are, by place or as the tree has it. The environment, if it shines, is the last
@@ -77,7 +78,7 @@ impl Lights {
     /// About how many bytes of memory it holds.
     pub(super) fn bytes(&self) -> usize {
         // A light has a record, its place in it, and two nodes of the tree.
-        let light = size_of::<f32>() * (FIELDS + 2 * tree::RECORD) + 64;
+        let light = record::LIGHT_BYTES + 2 * tree::NODE_BYTES + 64;
         self.links.len() * light + self.light_of.len() * 4 + self.ranges.len() * 12
     }
 
@@ -101,7 +102,7 @@ impl Lights {
             let base = light_of.len();
             ranges.push([shape.first, shape.count, base as u32]);
             light_of.resize(base + shape.count as usize, NONE);
-            for (shape, primitives) in sample::of(geometry, shape) {
+            for (shape, primitives) in record::of(geometry, shape) {
                 if !(shape.area() > 0.0 && shape.area() < f32::INFINITY) {
                     continue;
                 }
@@ -146,7 +147,7 @@ impl Lights {
         if sky > 0.0 {
             links.push(leaf | (records.len() as u32 - 1));
         }
-        let records = GatherTable::new(records);
+        let records = LightTable::new(records);
         Lights {
             records,
             branches,
@@ -216,7 +217,7 @@ impl Lights {
         let mut sample = sample::sample(geometry, &record, to, chosen.rest, u);
         sample.pdf = sample.pdf * chosen.probability;
         if !self.hidden.is_empty() {
-            let mut lights = [0; 16];
+            let mut lights = [0; MAX_WIDTH];
             P::store_bits(chosen.index, &mut lights);
             sample.drop_hidden(|lane, p, ng| {
                 let primitives = self.hidden.get(lights[lane] as usize).into_iter().flatten();
@@ -238,7 +239,7 @@ impl Lights {
         cos: f32,
     ) -> f32 {
         let Some(light) = self.light_of(primitive) else { return 0.0 };
-        let density = sample::pdf(self.records.record(light), to.p, distance, cos);
+        let density = sample::pdf(&self.records.record(light), to.p, distance, cos);
         density * self.probability(to, light)
     }
 
@@ -306,7 +307,7 @@ impl Lights {
         let zero = P::splat(0.0);
         let mut sum = zero;
         for (weight, bound) in weights.iter_mut().zip(&self.branches) {
-            *weight = bound.splat().estimate(to);
+            *weight = LightBounds::splat::<P>(bound).estimate(to);
             sum = sum + *weight;
         }
         if self.sky > 0.0 {
@@ -348,7 +349,7 @@ impl Lights {
     #[inline(never)]
     fn choose_equally<P: SimdWide>(&self, choice: P) -> LightChoice<P> {
         let count = self.count() as f32;
-        let (mut number, mut index) = ([0.0; 16], [0; 16]);
+        let (mut number, mut index) = ([0.0; MAX_WIDTH], [0; MAX_WIDTH]);
         (choice * P::splat(count)).store(&mut number);
         for (number, index) in number.iter_mut().zip(&mut index).take(P::WIDTH) {
             let whole = number.floor().clamp(0.0, count - 1.0);

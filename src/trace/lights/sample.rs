@@ -1,179 +1,17 @@
-//! The shapes of lights: sampling a point on one, and its density in 1/sr.
+//! Sampling a point on a light, and its density in 1/sr.
 
-use super::area_of;
-use super::importance::{LightBounds, LightSampleContext};
-use super::merge_triangles::{FlatLight, merge_triangles};
+use super::importance::LightSampleContext;
+use super::record::{LightKind, LightRecord};
 use super::spherical_rectangle::SphericalRectangle;
-use crate::geometry::{
-    Geometry, Kind, PrimitiveRange, Sphere, SurfacePoint, intersect_spheres, offset_origin,
-};
-use crate::math::simd::{Mask, Simd, SimdWide};
+use crate::geometry::{Geometry, Kind, Sphere, SurfacePoint, intersect_spheres, offset_origin};
+use crate::math::simd::{MAX_WIDTH, Mask, Simd, SimdWide};
 use crate::math::{Frame, Rgb, V3, warp};
 
 /// Shadow rays end this close to 1: a distance along a ray is known to a few unit roundoffs of the whole.
 pub(in crate::trace) const SHADOW_END: f32 = 1.0 - 16.0 * f32::EPSILON;
-/// Rounding a flat light's point, and hitting it again, costs less than this part of its largest
-/// coordinate, as for any triangle.
-const ERROR: f32 = 8.0 * f32::EPSILON;
 /// Distance between the hits of spheres that coincide, in distances between the spheres, at all but
 /// grazing angles.
 const SLACK: f32 = 16.0;
-/// A rectangle is near where the square of its diagonal is more than this part of the distance's...
-const NEAR: f32 = 2.0;
-/// ...and it does not look so narrow, in sr by its middle, that rounding would show.
-const LEAST_ANGLE: f32 = 0.02;
-/// A rectangle's corner is a right angle to within this cosine.
-const RIGHT: f32 = 1e-5;
-/// Smallest size that estimates see.
-const SPARK: f32 = 1e-7;
-
-const TRIANGLE: f32 = 0.0;
-const PARALLELOGRAM: f32 = 1.0;
-const RECTANGLE: f32 = 2.0;
-const SPHERE: f32 = 3.0;
-const CYLINDER: f32 = 4.0;
-const ENVIRONMENT: f32 = 5.0;
-
-/// Kind; corner and two sides, or centre and radius; unit normal; one over the area; the point's
-/// error; radiance; the bits of the large quad's number and of the first primitive's.
-pub(super) const FIELDS: usize = 20;
-
-/// A light's.
-pub(super) enum LightShape {
-    FlatLight(FlatLight),
-    Sphere(Sphere),
-    /// Lowest and highest corner, axis times half the height, radius, area.
-    Cylinder([V3; 2], V3, f32, f32),
-    Environment,
-}
-
-/// The lights in a range of primitives, each with its first and last one.
-pub(super) fn of(geometry: &Geometry, range: PrimitiveRange) -> Vec<(LightShape, [u32; 2])> {
-    let PrimitiveRange { first, count } = range;
-    if count > 0 && matches!(geometry.kind(first), Kind::Triangle(_)) {
-        let flats = merge_triangles(geometry, first, count).into_iter();
-        return flats.map(|flat| (LightShape::FlatLight(flat), flat.triangles)).collect();
-    }
-    (first..first + count)
-        .filter_map(|primitive| {
-            let shape = match geometry.kind(primitive) {
-                Kind::Triangle(_) => return None,
-                Kind::Sphere(i) => LightShape::Sphere(geometry.spheres[i]),
-                Kind::Cylinder(i) => {
-                    let c = &geometry.cylinders[i];
-                    let half = c.axis() * (0.5 * c.height);
-                    LightShape::Cylinder(c.bounds(), half, c.radius, area_of(geometry, primitive))
-                }
-            };
-            Some((shape, [primitive; 2]))
-        })
-        .collect()
-}
-
-impl LightShape {
-    pub(super) fn area(&self) -> f32 {
-        match self {
-            LightShape::FlatLight(flat) => flat.area(),
-            LightShape::Sphere(sphere) => 4.0 * std::f32::consts::PI * sphere.radius.powi(2),
-            LightShape::Cylinder(.., area) => *area,
-            LightShape::Environment => f32::INFINITY,
-        }
-    }
-
-    /// No point is taken to be known better than to `least_error`.
-    pub(super) fn record(
-        &self,
-        primitive: u32,
-        radiance: Rgb,
-        surface_id: u32,
-        least_error: f32,
-    ) -> [f32; FIELDS] {
-        let mut r = [0.0; FIELDS];
-        let mut set = |at: usize, v: V3| r[at..at + 3].copy_from_slice(&<[f32; 3]>::from(v));
-        set(15, V3::new(radiance.r, radiance.g, radiance.b));
-        let kind = match self {
-            LightShape::FlatLight(flat) => {
-                let [a, b] = flat.sides;
-                set(1, flat.corner);
-                set(4, a);
-                set(7, b);
-                set(10, a.cross(b).normalize());
-                if !flat.is_pair() {
-                    TRIANGLE
-                } else if a.dot(b).abs() <= RIGHT * a.length() * b.length() {
-                    RECTANGLE
-                } else {
-                    PARALLELOGRAM
-                }
-            }
-            LightShape::Sphere(sphere) => {
-                set(1, sphere.centre);
-                set(4, V3::new(sphere.radius, 0.0, 0.0));
-                SPHERE
-            }
-            LightShape::Cylinder(..) => CYLINDER,
-            LightShape::Environment => ENVIRONMENT,
-        };
-        r[0] = kind;
-        r[13] = 1.0 / self.area();
-        r[14] = least_error;
-        if let LightShape::FlatLight(flat) = self {
-            let [a, b] = flat.sides;
-            let corners = [flat.corner, flat.corner + a, flat.corner + b, flat.corner + a + b];
-            let largest = corners.iter().map(|c| c.abs().max_component()).fold(0.0, f32::max);
-            r[14] = (ERROR * largest).max(least_error);
-        }
-        r[18] = f32::from_bits(surface_id);
-        r[19] = f32::from_bits(primitive);
-        r
-    }
-
-    /// `luminance` is the radiance's, in units of the brightest light's.
-    pub(super) fn bound(&self, luminance: f32) -> LightBounds {
-        let any = V3::new(0.0, 0.0, 1.0);
-        let body = |centre: V3, half: V3, radius: f32, area: f32| LightBounds {
-            centre,
-            half,
-            radius: radius.max(SPARK),
-            axis: any,
-            cos: 0.0,
-            sin: 0.0,
-            slack: 0.0,
-            // A convex body shows a quarter of its surface, on the mean over all directions.
-            area: 0.25 * area,
-            luminance,
-        };
-        match self {
-            LightShape::FlatLight(flat) => {
-                let [a, b] = flat.sides;
-                let third = V3::splat(1.0 / 3.0);
-                let (centre, half, radius) = if flat.is_pair() {
-                    let half = (a.abs() + b.abs()) * 0.5;
-                    let diagonal = (a + b).length().max((a - b).length());
-                    (flat.corner + (a + b) * 0.5, half, 0.5 * diagonal)
-                } else {
-                    let centre = flat.corner + (a + b) * third.x;
-                    let corners = [flat.corner, flat.corner + a, flat.corner + b];
-                    let off = corners.map(|c| (c - centre).abs());
-                    let each = |f: fn(&V3) -> f32| off.iter().map(f).fold(0.0, f32::max);
-                    let half = V3::new(each(|v| v.x), each(|v| v.y), each(|v| v.z));
-                    let radius = corners.iter().map(|c| (*c - centre).length()).fold(0.0, f32::max);
-                    (centre, half, radius)
-                };
-                let axis = a.cross(b).normalize();
-                let area = 4.0 * flat.area();
-                LightBounds { axis, cos: 1.0, ..body(centre, half, radius, area) }
-            }
-            LightShape::Sphere(s) => body(s.centre, V3::splat(s.radius), s.radius, self.area()),
-            LightShape::Cylinder([low, high], half, radius, area) => {
-                let reach = (half.length2() + radius * radius).sqrt();
-                body((*low + *high) * 0.5, (*high - *low) * 0.5, reach, *area)
-            }
-            LightShape::Environment => body(V3::default(), V3::splat(1.0), 2.0, self.area()),
-        }
-    }
-}
-
 /// Directions towards lights.
 pub(in crate::trace) struct LightSample<P: Simd> {
     /// Unit, leaving the surface.
@@ -246,7 +84,7 @@ impl<P: SimdWide> LightSample<P> {
     #[inline(never)]
     pub(super) fn drop_hidden(&mut self, drops: impl Fn(usize, V3, V3) -> bool) {
         let SurfacePoint { p, ng, .. } = self.target;
-        let mut columns = [[0.0; 16]; 6];
+        let mut columns = [[0.0; MAX_WIDTH]; 6];
         for (column, x) in columns.iter_mut().zip([p.x, p.y, p.z, ng.x, ng.y, ng.z]) {
             x.store(column);
         }
@@ -272,53 +110,26 @@ impl LightSample<f32> {
     }
 }
 
-/// The vectors of flat lights' records.
-struct FlatShape<L> {
-    corner: V3<L>,
-    sides: [V3<L>; 2],
-    ng: V3<L>,
-    one_over_area: L,
-}
-
-impl<L: Simd> FlatShape<L> {
-    #[inline(always)]
-    fn of(light: &[L; FIELDS]) -> FlatShape<L> {
-        let v = |at: usize| V3::new(light[at], light[at + 1], light[at + 2]);
-        FlatShape { corner: v(1), sides: [v(4), v(7)], ng: v(10), one_over_area: light[13] }
-    }
-
-    /// Whether a rectangle is to be sampled by its solid angle.
-    #[inline(always)]
-    fn is_near(&self, p: V3<L>) -> L::Mask {
-        let diagonal = self.sides[0] + self.sides[1];
-        let away = self.corner + diagonal * L::splat(0.5) - p;
-        let distance2 = away.length2();
-        let narrow = L::splat(LEAST_ANGLE) * self.one_over_area * distance2 * distance2.sqrt();
-        let large = diagonal.length2().gt(L::splat(NEAR) * distance2);
-        large & self.ng.dot(away).abs().gt(narrow)
-    }
-}
-
 /// Towards lights with these records; `again` is one more uniform number. The densities are those
 /// of the lights alone.
 #[inline(always)]
 pub(super) fn sample<P: SimdWide>(
     geometry: &Geometry,
-    light: &[P; FIELDS],
+    light: &LightRecord<P>,
     to: &LightSampleContext<P>,
     again: P,
     u: [P; 2],
 ) -> LightSample<P> {
     let (zero, one) = (P::splat(0.0), P::splat(1.0));
     let nothing = V3::splat(zero);
-    let kind = light[0];
-    let is_sphere = kind.equal(P::splat(SPHERE));
-    let is_point = kind.lt(P::splat(SPHERE)) | kind.equal(P::splat(CYLINDER));
+    let is_sphere = light.kind.is(LightKind::Sphere);
+    let is_environment = light.kind.is(LightKind::Environment);
+    let is_point = !(is_sphere | is_environment);
     let mut sample = LightSample {
         wi: to.frame.n,
-        radiance: Rgb::new(light[15], light[16], light[17]),
+        radiance: light.radiance,
         pdf: zero,
-        surface_id: light[18].to_bits(),
+        surface_id: light.surface_id,
         found: !P::mask(0),
         target: SurfacePoint { p: nothing, ng: nothing, ns: nothing, error: nothing },
         is_point,
@@ -327,9 +138,9 @@ pub(super) fn sample<P: SimdWide>(
         is_in_cone: P::mask(0),
     };
     if is_point.any() {
-        let shape = FlatShape::of(light);
-        let [a, b] = shape.sides;
-        let triangle = kind.equal(P::splat(TRIANGLE));
+        let LightRecord { corner, sides, ng, error, .. } = *light;
+        let [a, b] = sides;
+        let triangle = light.kind.is(LightKind::Triangle);
         let [mut s, mut t] = u;
         let mut middle = P::splat(0.5);
         if triangle.any() {
@@ -337,34 +148,26 @@ pub(super) fn sample<P: SimdWide>(
             (s, t) = (P::select(triangle, x, s), P::select(triangle, y, t));
             middle = P::select(triangle, P::splat(1.0 / 3.0), middle);
         }
-        let mut p = shape.corner + a * s + b * t;
-        let mut pdf = shape.one_over_area;
-        let near = kind.equal(P::splat(RECTANGLE)) & shape.is_near(to.p);
+        let mut p = corner + a * s + b * t;
+        let mut pdf = light.one_over_area;
+        let near = light.kind.is(LightKind::Rectangle) & light.is_near(to.p);
         if near.any() {
-            let side = shape.ng.dot(shape.corner - to.p);
-            let towards = V3::select(side.lt(zero), -shape.ng, shape.ng);
-            let glossy = SphericalRectangle::new(shape.corner, shape.sides, shape.ng, to.p);
+            let side = ng.dot(corner - to.p);
+            let towards = V3::select(side.lt(zero), -ng, ng);
+            let glossy = SphericalRectangle::new(corner, sides, ng, to.p);
             p = V3::select(near, to.p + glossy.sample(u, towards), p);
             pdf = P::select(near, one / glossy.solid_angle, pdf);
         }
         // A point that rounding has put past an edge may lie behind the neighbouring face. A step of
         // the error's size towards the middle brings it back.
-        let error = light[14];
-        let inwards = shape.corner + (a + b) * middle - p;
+        let inwards = corner + (a + b) * middle - p;
         let reach = inwards.abs().max_component();
         let step = error + error;
         p = V3::select(reach.gt(step), p + inwards * (step / reach), p);
-        let mut target = SurfacePoint { p, ng: shape.ng, ns: shape.ng, error: V3::splat(error) };
-        let cylinder = kind.equal(P::splat(CYLINDER));
+        let mut target = SurfacePoint { p, ng, ns: ng, error: V3::splat(error) };
+        let cylinder = light.kind.is(LightKind::Cylinder);
         if cylinder.any() {
-            on_cylinders::<P>(
-                geometry,
-                cylinder.bits(),
-                light[19].to_bits(),
-                again,
-                u,
-                &mut target,
-            );
+            on_cylinders::<P>(geometry, cylinder.bits(), light.primitive, again, u, &mut target);
         }
         let away = target.p - to.p;
         let distance2 = away.length2();
@@ -378,7 +181,7 @@ pub(super) fn sample<P: SimdWide>(
         sample.target = target;
     }
     if is_sphere.any() {
-        let (centre, radius) = (V3::new(light[1], light[2], light[3]), light[4]);
+        let LightRecord { corner: centre, radius, .. } = *light;
         let (axis, narrow, outside) = cones(centre, radius, to.p);
         let one_minus_cos = P::select(outside, narrow, P::splat(2.0));
         // From its centre there is no axis, and need not be.
@@ -386,36 +189,32 @@ pub(super) fn sample<P: SimdWide>(
         let wi = Frame::around(axis).to_world(warp::cone(u, one_minus_cos));
         sample.wi = V3::select(is_sphere, wi, sample.wi);
         sample.is_in_cone = outside;
-        sample.slack = light[14] * P::splat(SLACK);
+        sample.slack = light.error * P::splat(SLACK);
         sample.pdf = P::select(is_sphere, warp::cone_pdf(one_minus_cos), sample.pdf);
         sample.target.p = V3::select(is_sphere, centre, sample.target.p);
         sample.target.error = V3::select(is_sphere, V3::splat(radius), sample.target.error);
     }
-    let environment = kind.equal(P::splat(ENVIRONMENT));
-    if environment.any() {
+    if is_environment.any() {
         let local = warp::cosine_hemisphere(u);
         let pdf = warp::cosine_hemisphere_pdf(local.z);
-        sample.wi = V3::select(environment, to.frame.to_world(local), sample.wi);
-        sample.pdf = P::select(environment, pdf, sample.pdf);
+        sample.wi = V3::select(is_environment, to.frame.to_world(local), sample.wi);
+        sample.pdf = P::select(is_environment, pdf, sample.pdf);
     }
     sample
 }
 
 /// The density with which [`sample`] at `p` finds a point of a light at a distance, its surface at
 /// this cosine to the direction.
-pub(super) fn pdf(light: &[f32; FIELDS], p: V3, distance: f32, cos: f32) -> f32 {
-    if light[0] == SPHERE {
-        let (_, narrow, outside) = cones(V3::new(light[1], light[2], light[3]), light[4], p);
+pub(super) fn pdf(light: &LightRecord, p: V3, distance: f32, cos: f32) -> f32 {
+    if light.kind.is(LightKind::Sphere) {
+        let (_, narrow, outside) = cones(light.corner, light.radius, p);
         return warp::cone_pdf(if outside { narrow } else { 2.0 });
     }
-    if light[0] == RECTANGLE {
-        let shape = FlatShape::of(light);
-        if shape.is_near(p) {
-            return 1.0
-                / SphericalRectangle::new(shape.corner, shape.sides, shape.ng, p).solid_angle;
-        }
+    if light.kind.is(LightKind::Rectangle) && light.is_near(p) {
+        let LightRecord { corner, sides, ng, .. } = *light;
+        return 1.0 / SphericalRectangle::new(corner, sides, ng, p).solid_angle;
     }
-    if cos > 0.0 { light[13] * (distance * distance / cos) } else { 0.0 }
+    if cos > 0.0 { light.one_over_area * (distance * distance / cos) } else { 0.0 }
 }
 
 /// Axes and `1 - cos` of the cones that spheres fill as seen from `p`, and where that is outside.
@@ -444,14 +243,14 @@ fn on_cylinders<P: SimdWide>(
     u: [P; 2],
     target: &mut SurfacePoint<P>,
 ) {
-    let mut fields = [[0.0; 16]; 9];
+    let mut fields = [[0.0; MAX_WIDTH]; 9];
     let columns = [target.p, target.ng, target.error];
     for (v, field) in columns.iter().zip(fields.chunks_exact_mut(3)) {
         for (x, field) in [v.x, v.y, v.z].iter().zip(field) {
             x.store(field);
         }
     }
-    let (mut which, mut numbers) = ([0; 16], [[0.0; 16]; 3]);
+    let (mut which, mut numbers) = ([0; MAX_WIDTH], [[0.0; MAX_WIDTH]; 3]);
     P::store_bits(primitive, &mut which);
     for (number, x) in numbers.iter_mut().zip([again, u[0], u[1]]) {
         x.store(number);

@@ -109,7 +109,7 @@ fn bounds(scene: &Scene) -> Vec<LightBounds> {
     let brightest = scene.surfaces().iter().map(|s| radiance(s.material)).fold(0.0, f32::max);
     let of = |s: &crate::scene::Light| {
         let luminance = radiance(s.material) / brightest;
-        let shapes = if luminance > 0.0 { sample::of(scene.geometry(), s.shape) } else { vec![] };
+        let shapes = if luminance > 0.0 { record::of(scene.geometry(), s.shape) } else { vec![] };
         shapes.into_iter().map(|(shape, _)| shape.bound(luminance)).collect::<Vec<_>>()
     };
     scene.surfaces().iter().flat_map(of).collect()
@@ -197,7 +197,7 @@ fn truth(
     let count = 512;
     let sum: f64 = numbers(count)
         .map(|[again, u, v]| {
-            let sample = sample::sample::<f32>(g, record, to, again, [u, v]);
+            let sample = sample::sample::<f32>(g, &record, to, again, [u, v]);
             let wi = to.frame.to_local(sample.wi);
             if !sample.found || !sample.shadow_ray(to.p).hits || wi.z <= 0.0 || sample.pdf <= 0.0 {
                 return 0.0;

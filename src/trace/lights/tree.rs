@@ -5,11 +5,12 @@
 //! of the random number goes on to the next. Boxes, cones of normals and powers are as in the paper;
 //! a light emits on both sides, so that cones join whichever way round is nearer.
 
-use super::importance::{FIELDS, LightBounds, LightSampleContext};
+use super::importance::{LightBounds, LightSampleContext};
 use super::{ALMOST_ONE, LightChoice};
 use crate::math::V3;
 use crate::math::gather_table::GatherTable;
-use crate::math::simd::{Bits, Mask, SimdWide};
+use crate::math::record::{RecordField, gather_record};
+use crate::math::simd::{Bits, Mask, SimdWide, U32};
 use std::f32::consts::{FRAC_PI_2, PI};
 
 /// A link with this bit names a light.
@@ -21,13 +22,22 @@ const BINS: usize = 12;
 /// Below this depth lights are halved by number, so that no path is longer than 64 steps.
 const CAREFUL: u32 = 32;
 
-/// Two bounds and two links.
-pub(super) const RECORD: usize = 2 * FIELDS + 2;
+gather_record! {
+    /// A node of the tree.
+    struct LightNode {
+        sides: [LightBounds; 2],
+        /// The nodes below by their place, or lights with the bit [`LEAF`].
+        links: [u32; 2],
+    }
+}
+
+/// Bytes of a node.
+pub(super) const NODE_BYTES: usize = size_of::<[f32; LightNode::NUMBERS]>();
 
 /// Lights below their nodes.
 #[derive(Debug)]
 pub(super) struct LightBvh {
-    nodes: GatherTable<RECORD>,
+    nodes: GatherTable<LightNode, { LightNode::NUMBERS }>,
     /// For each light the branch that it is on, and the way from there: bit k says that step k goes
     /// to the second side.
     ways: Vec<(u32, u64)>,
@@ -68,8 +78,8 @@ impl LightBvh {
             let Branch { link, depth, .. } = branches[i];
             let node = &nodes[link as usize];
             let side = |side: usize| Branch {
-                bound: LightBounds::from_fields(&node[side * FIELDS..(side + 1) * FIELDS]),
-                link: node[2 * FIELDS + side].to_bits(),
+                bound: node.sides[side],
+                link: node.links[side].0,
                 depth: depth + 1,
             };
             branches[i] = side(0);
@@ -82,8 +92,7 @@ impl LightBvh {
                     let (on, ray) = &mut ways[(link & !LEAF) as usize];
                     (*on, *ray) = (i, *ray >> branch.depth);
                 } else {
-                    let sides = [0, 1].map(|side| nodes[link as usize][2 * FIELDS + side]);
-                    open.extend(sides.map(f32::to_bits));
+                    open.extend(nodes[link as usize].links.map(|link| link.0));
                 }
             }
         }
@@ -116,7 +125,7 @@ impl LightBvh {
             choice.rest = P::select(on_the_way, rest, choice.rest);
             let probability = (choice.probability * roughness).or_zero(any);
             choice.probability = P::select(on_the_way, probability, choice.probability);
-            let [a, b] = [node[2 * FIELDS].to_bits(), node[2 * FIELDS + 1].to_bits()];
+            let [a, b] = node.links;
             link = P::select_bits(on_the_way, P::select_bits(first, a, b), link);
             on_the_way = P::less_bits(link, leaf);
         }
@@ -129,14 +138,14 @@ impl LightBvh {
         let (mut ray, mut probability) = (self.ways[light].1, 1.0);
         while link < LEAF {
             let node = self.nodes.record(link as usize);
-            let (share, any) = first_share(node, to);
+            let (share, any) = first_share(&node, to);
             let second = ray & 1 != 0;
             ray >>= 1;
             probability *= if second { 1.0 - share } else { share };
             if !any || probability <= 0.0 {
                 return 0.0;
             }
-            link = node[2 * FIELDS + usize::from(second)].to_bits();
+            link = node.links[usize::from(second)].0;
         }
         probability
     }
@@ -144,10 +153,9 @@ impl LightBvh {
 
 /// The share of a node's first side, and whether there is anything to share.
 #[inline(always)]
-fn first_share<P: SimdWide>(node: &[P; RECORD], to: &LightSampleContext<P>) -> (P, P::Mask) {
+fn first_share<P: SimdWide>(node: &LightNode<P>, to: &LightSampleContext<P>) -> (P, P::Mask) {
     let zero = P::splat(0.0);
-    let a = LightBounds::from_fields(&node[..FIELDS]).estimate(to);
-    let b = LightBounds::from_fields(&node[FIELDS..]).estimate(to);
+    let (a, b) = (node.sides[0].estimate(to), node.sides[1].estimate(to));
     let sum = a + b;
     let kept = (a / sum).max(P::splat(LEAST)).min(P::splat(1.0 - LEAST));
     let share = P::select(a.gt(zero), kept, zero);
@@ -156,7 +164,7 @@ fn first_share<P: SimdWide>(node: &[P; RECORD], to: &LightSampleContext<P>) -> (
 
 struct Builder<'a> {
     bounds: &'a [LightBounds],
-    nodes: Vec<[f32; RECORD]>,
+    nodes: Vec<LightNode>,
     ways: Vec<(u32, u64)>,
 }
 
@@ -170,14 +178,11 @@ impl Builder<'_> {
         let middle = self.split(lights, depth);
         let (first, second) = lights.split_at_mut(middle);
         let at = self.nodes.len();
-        self.nodes.push([0.0; RECORD]);
+        // Nodes stand before those below them.
+        self.nodes.push(LightNode { sides: [self.bounds[0]; 2], links: [U32(LEAF); 2] });
         let (a, first) = self.build(first, depth + 1, ray);
         let (b, second) = self.build(second, depth + 1, ray | 1 << depth);
-        let node = &mut self.nodes[at];
-        node[..FIELDS].copy_from_slice(&a.fields());
-        node[FIELDS..2 * FIELDS].copy_from_slice(&b.fields());
-        node[2 * FIELDS] = f32::from_bits(first);
-        node[2 * FIELDS + 1] = f32::from_bits(second);
+        self.nodes[at] = LightNode { sides: [a, b], links: [U32(first), U32(second)] };
         let mut cluster = LightCluster::of(&a);
         cluster.add(&LightCluster::of(&b));
         (cluster.bound(), at as u32)

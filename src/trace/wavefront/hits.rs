@@ -4,22 +4,54 @@ use super::RayQueue;
 use crate::brdf::{Alpha, BrdfParams};
 use crate::geometry::{Geometry, Hit, HitSoa, RaySoa, SurfacePoint, flat_surface, shading_normal};
 use crate::math::gather_table::GatherTable;
+use crate::math::record::{KindLanes, RecordField, RecordKind, gather_record};
 use crate::math::simd::{Bits, Mask, Simd, Simd8, SimdWide};
 use crate::math::soa::{Soa, Soa3};
 use crate::math::{Rgb, V3};
 use crate::scene::Material;
 
-/// Kd; Ks; alpha; a_p; emission; how it reflects.
-const FIELDS: usize = 12;
+/// How a material reflects.
+#[derive(Clone, Copy, Debug)]
+#[repr(u32)]
+enum Reflection {
+    Nothing,
+    /// As its BRDF has it.
+    General,
+    /// With a specular lobe that is weak.
+    WeakLobe,
+    Mirror,
+}
 
+impl RecordKind for Reflection {
+    #[inline(always)]
+    fn number(self) -> u32 {
+        self as u32
+    }
+}
+
+gather_record! {
+    /// A material.
+    struct MaterialRecord {
+        kd: Rgb,
+        ks: Rgb,
+        alpha: f32,
+        exponent: f32,
+        emission: Rgb,
+        reflection: Reflection,
+    }
+}
+
+impl<L: Simd> MaterialRecord<L> {
+    #[inline(always)]
+    fn params(&self) -> BrdfParams<L> {
+        let roughness = Alpha { alpha: self.alpha, exponent: self.exponent };
+        BrdfParams { kd: self.kd, ks: self.ks, roughness }
+    }
+}
+
+/// All materials.
 #[derive(Debug)]
-pub(super) struct MaterialTable(GatherTable<FIELDS>);
-
-/// How a material reflects: not at all, as its lobes have it, with a weak specular lobe, or as a
-/// mirror.
-const REFLECTS: f32 = 1.0;
-const WEAKLY: f32 = 2.0;
-const MIRRORS: f32 = 3.0;
+pub(super) struct MaterialTable(GatherTable<MaterialRecord, { MaterialRecord::NUMBERS }>);
 
 /// A specular lobe alone that is sharper than this is a mirror: what one path sees in it is of no use
 /// to its neighbours.
@@ -63,28 +95,22 @@ impl<P: SimdWide> Materials<P> {
 impl MaterialTable {
     pub(super) fn new(materials: &[Material]) -> MaterialTable {
         let record = |m: &Material| {
-            let (kd, ks, light) = (Rgb::from(m.kd), Rgb::from(m.ks), Rgb::from(m.emission));
+            let (kd, ks) = (Rgb::from(m.kd), Rgb::from(m.ks));
             let roughness = Alpha::from(m.roughness);
-            let reflects = match kd.is_black() && ks.is_black() {
-                true => 0.0,
-                false if is_weak(&BrdfParams { kd, ks, roughness }) => WEAKLY,
-                false if kd.is_black() && roughness.alpha < MIRROR_ALPHA => MIRRORS,
-                false => REFLECTS,
+            let reflection = match kd.is_black() && ks.is_black() {
+                true => Reflection::Nothing,
+                false if is_weak(&BrdfParams { kd, ks, roughness }) => Reflection::WeakLobe,
+                false if kd.is_black() && roughness.alpha < MIRROR_ALPHA => Reflection::Mirror,
+                false => Reflection::General,
             };
-            [
-                kd.r,
-                kd.g,
-                kd.b,
-                ks.r,
-                ks.g,
-                ks.b,
-                roughness.alpha,
-                roughness.exponent,
-                light.r,
-                light.g,
-                light.b,
-                reflects,
-            ]
+            MaterialRecord {
+                kd,
+                ks,
+                alpha: roughness.alpha,
+                exponent: roughness.exponent,
+                emission: Rgb::from(m.emission),
+                reflection: KindLanes::new(reflection),
+            }
         };
         MaterialTable(GatherTable::new(materials.iter().map(record).collect()))
     }
@@ -92,18 +118,13 @@ impl MaterialTable {
     /// One material's BRDF.
     #[inline(always)]
     pub(super) fn params(&self, index: u32) -> BrdfParams {
-        let f = self.0.record(index as usize);
-        BrdfParams {
-            kd: Rgb::new(f[0], f[1], f[2]),
-            ks: Rgb::new(f[3], f[4], f[5]),
-            roughness: Alpha { alpha: f[6], exponent: f[7] },
-        }
+        self.0.record(index as usize).params()
     }
 
     /// Whether a material has a specular lobe that is weak.
     #[inline(always)]
     pub(super) fn is_weak(&self, index: u32) -> bool {
-        self.0.record(index as usize)[11] == WEAKLY
+        self.0.record(index as usize).reflection.is(Reflection::WeakLobe)
     }
 
     /// The part of a material's BRDF that paths share: all but a weak lobe.
@@ -115,19 +136,15 @@ impl MaterialTable {
 
     #[inline(always)]
     pub(super) fn get<P: SimdWide>(&self, index: P::Bits) -> Materials<P> {
-        let f = self.0.get::<P>(index);
-        let emission = Rgb::new(f[8], f[9], f[10]);
+        let material = self.0.get::<P>(index);
+        let MaterialRecord { emission, reflection, .. } = material;
         Materials {
-            params: BrdfParams {
-                kd: Rgb::new(f[0], f[1], f[2]),
-                ks: Rgb::new(f[3], f[4], f[5]),
-                roughness: Alpha { alpha: f[6], exponent: f[7] },
-            },
+            params: material.params(),
             emission,
             emits: emission.max_channel().gt(P::splat(0.0)),
-            reflects: f[11].gt(P::splat(0.0)),
-            weak: f[11].equal(P::splat(WEAKLY)),
-            mirror: f[11].equal(P::splat(MIRRORS)),
+            reflects: !reflection.is(Reflection::Nothing),
+            weak: reflection.is(Reflection::WeakLobe),
+            mirror: reflection.is(Reflection::Mirror),
         }
     }
 }

@@ -10,7 +10,8 @@ use super::{Line, Quad, QuadHits, Way, dot};
 use crate::geometry::Geometry;
 use crate::math::V3;
 use crate::math::gather_table::GatherTable;
-use crate::math::simd::{Bits, Mask, SimdWide};
+use crate::math::record::{RecordField, gather_record};
+use crate::math::simd::{Bits, Mask, SimdWide, U32};
 use glam::DVec3;
 
 /// Most planes.
@@ -33,36 +34,32 @@ pub(super) struct Hull {
     /// Outward normals and their products with the points of the planes.
     facets: Vec<(V3, f32)>,
     /// One large quad of each facet.
-    first: GatherTable<FIELDS>,
+    first: GatherTable<QuadRecord, { QuadRecord::NUMBERS }>,
     /// Facets and the other large quads in them.
     others: Vec<(u32, u32)>,
 }
 
-/// Numbers of a large quad, to be looked up: four edges and the diagonal, `m` and `c` of each; its
-/// slenderness; and as bits its own number and those of its triangles.
-const FIELDS: usize = 24;
-
-fn record(at: u32, quad: &Quad) -> [f32; FIELDS] {
-    // Of a lone triangle every point is on the near side.
-    let none = Line { m: V3::default(), c: -FAR_OUT };
-    let [a, b, c, d] = quad.sides.lines();
-    let mut record = [0.0; FIELDS];
-    for (place, Line { m, c }) in
-        record.chunks_exact_mut(4).zip([a, b, c, d, quad.diagonal.unwrap_or(none)])
-    {
-        place.copy_from_slice(&[m.x, m.y, m.z, c]);
+gather_record! {
+    /// A large quad, to be looked up.
+    struct QuadRecord {
+        edges: [Line; 4],
+        diagonal: Line,
+        slenderness: f32,
+        quad: u32,
+        triangles: [u32; 2],
     }
-    let [first, second] = quad.triangles;
-    record[20] = quad.slenderness;
-    record[21..].copy_from_slice(&[at, first, second].map(f32::from_bits));
-    record
 }
 
-/// How far points are across the lines with these numbers.
-#[inline(always)]
-fn across<P: SimdWide>(line: &[P], x: V3<P>) -> P {
-    let y = x.y.mul_add(line[1], x.x * line[0]);
-    x.z.mul_add(line[2], y) - line[3]
+fn record(at: u32, quad: &Quad) -> QuadRecord {
+    // Of a lone triangle every point is on the near side.
+    let none = Line { m: V3::default(), c: -FAR_OUT };
+    QuadRecord {
+        edges: quad.sides.lines(),
+        diagonal: quad.diagonal.unwrap_or(none),
+        slenderness: quad.slenderness,
+        quad: U32(at),
+        triangles: quad.triangles.map(U32),
+    }
 }
 
 impl Hull {
@@ -135,14 +132,13 @@ impl Hull {
             rest = P::select(this, rest, left.min(rest));
         }
         let found = self.first.get::<P>(facet);
-        let mut inside = across(&found[..4], x);
-        for edge in found[4..16].chunks_exact(4) {
-            inside = across(edge, x).min(inside);
+        let mut inside = found.edges[0].each_across(x);
+        for edge in &found.edges[1..] {
+            inside = edge.each_across(x).min(inside);
         }
-        let mut second = across(&found[16..20], x);
-        let mut within = band * found[20];
-        let (mut quad, mut near, mut far) =
-            (found[21].to_bits(), found[22].to_bits(), found[23].to_bits());
+        let mut second = found.diagonal.each_across(x);
+        let mut within = band * found.slenderness;
+        let (mut quad, [mut near, mut far]) = (found.quad, found.triangles);
         // The next best of a facet's large quads.
         let mut next = P::splat(FAR_OUT);
         for &(there, at) in &self.others {

@@ -2,6 +2,7 @@
 //! edges they hit it.
 
 use crate::math::V3;
+use crate::math::record::{RecordField, gather_record};
 use crate::math::simd::SimdWide;
 
 /// A triangle, or two that make a convex quadrilateral.
@@ -17,11 +18,12 @@ pub(super) struct Quad {
     pub(super) slenderness: f32,
 }
 
-/// A line in a large quad's plane: a unit vector across it and its product with the line's points.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Line {
-    pub(super) m: V3,
-    pub(super) c: f32,
+gather_record! {
+    /// A line in a large quad's plane: a unit vector across it and its product with the line's points.
+    pub(super) struct Line {
+        pub(super) m: V3,
+        pub(super) c: f32,
+    }
 }
 
 /// Two parallel edges: the line in the middle between them, and how far off they are.
@@ -115,9 +117,19 @@ impl Sides {
 }
 
 impl Line {
+    /// How far points are across the line.
     #[inline(always)]
     pub(super) fn across<P: SimdWide>(&self, x: V3<P>) -> P {
-        dot(self.m, x) - P::splat(self.c)
+        Line::splat::<P>(self).each_across(x)
+    }
+}
+
+impl<P: SimdWide> Line<P> {
+    /// How far points are across, each across its own line.
+    #[inline(always)]
+    pub(super) fn each_across(&self, x: V3<P>) -> P {
+        let y = x.y.mul_add(self.m.y, x.x * self.m.x);
+        x.z.mul_add(self.m.z, y) - self.c
     }
 }
 
