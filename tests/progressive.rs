@@ -3,7 +3,9 @@
 mod support;
 
 use burnish::brdf::{Model, Roughness};
-use burnish::progressive::{Options, Params, Session, Snapshot, State, TileImage, render};
+use burnish::progressive::{
+    Experiment, Options, Params, Session, Snapshot, State, TileImage, render,
+};
 use burnish::scene::{Camera, Material, Scene, SceneBuilder};
 use glam::DVec3;
 use std::sync::Arc;
@@ -31,6 +33,13 @@ fn finished(session: &Session, epoch: u64) -> Snapshot {
     session.snapshots().iter().find(over).unwrap()
 }
 
+/// What the workers have by now.
+fn kept(session: &Session) -> Experiment {
+    let (tell, told) = std::sync::mpsc::channel();
+    session.visit_experiment(move |experiment| tell.send(experiment.clone()).unwrap());
+    told.recv().unwrap()
+}
+
 #[test]
 fn the_same_bits_on_any_number_of_threads() {
     for model in Model::ALL {
@@ -56,18 +65,20 @@ fn windowed_as_headless_after_pauses_limits_and_other_epochs() {
     let params = Params::new(small_room());
     let plain = render(params.clone(), 9, 2).unwrap();
     let session = Session::start(params.clone(), 2, 2, || {}).unwrap();
-    // Wander off, come back, stop and go on.
-    for alpha in [0.9, 0.5, 0.1] {
+    // Wander off, come back, stop and go on: from one that was seen, from one that hardly began.
+    for (alpha, is_seen) in [(0.9, true), (0.5, false), (0.1, true)] {
         let rough = Roughness::from_alpha(alpha).unwrap();
-        session.set(params.clone().with_roughness(rough)).unwrap();
-        std::thread::sleep(Duration::from_millis(3));
+        let epoch = session.set(params.clone().with_roughness(rough)).unwrap();
+        if is_seen {
+            session.snapshots().iter().find(|s| s.epoch == epoch).unwrap();
+        }
     }
     let epoch = session.set(params.clone()).unwrap();
     assert_eq!(session.set(params).unwrap(), epoch, "no change, no new epoch");
     assert_eq!(finished(&session, epoch).passes, 2);
     session.pause();
     session.set_limit(9);
-    std::thread::sleep(Duration::from_millis(20));
+    assert_eq!(kept(&session).passes(), 2, "paused workers still trace");
     session.resume();
     let over = |s: &Snapshot| s.epoch == epoch && s.passes == 9;
     let end = session.snapshots().iter().find(over).unwrap();
@@ -83,10 +94,7 @@ fn a_pause_stops_the_work_and_loses_nothing() {
     session.pause();
     let paused = session.snapshots().iter().find(|s| s.state == State::Paused).unwrap();
     // An order that is no news is followed by nothing; a wish is heard by whoever still works.
-    let (tell, told) = std::sync::mpsc::channel();
-    session.visit_experiment(move |experiment| tell.send(experiment.clone()).unwrap());
-    let kept = told.recv().unwrap();
-    assert_eq!(kept.picture().0, paused.mean(), "paused workers still trace");
+    assert_eq!(kept(&session).picture().0, paused.mean(), "paused workers still trace");
     assert!(session.latest().is_none(), "paused workers still send");
     session.resume();
     let next = session.snapshots().recv().unwrap();
@@ -221,8 +229,8 @@ fn dropping_a_session_ends_its_work_at_once() {
     drop(session);
     let after = told.load(Ordering::SeqCst);
     assert!(after - before < 16 * rows, "{} rows, of {rows} a pass", after - before);
-    std::thread::sleep(Duration::from_millis(20));
-    assert_eq!(told.load(Ordering::SeqCst), after, "it goes on");
+    // Whoever could still tell of work would hold what tells of it.
+    assert_eq!(Arc::strong_count(&told), 1, "it goes on");
 }
 
 #[test]

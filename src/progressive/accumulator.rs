@@ -101,7 +101,8 @@ impl AccumulatorCache {
 
     /// Gives back memory until `bytes` more can be had from the system.
     pub(super) fn make_room(&mut self, bytes: u64) {
-        while !self.kept.is_empty() && limits::fits(bytes, String::new).is_err() {
+        let lacks = || limits::free().is_some_and(|free| bytes > free.bytes);
+        while !self.kept.is_empty() && lacks() {
             self.evict_one();
         }
     }

@@ -474,6 +474,7 @@ fn a_time_ends_a_render_and_keeps_what_is_done() {
         let (mut time, mut most) = (0.5, 0.0);
         loop {
             let text = time.to_string();
+            // This clock runs before and after the other: no load makes a figure fail that is true.
             let limited = ["render", "-o", &png, "--stats", &stats, "--size", "64x48"];
             let start = std::time::Instant::now();
             let output = run(&[&limited[..], &["--time", &text], more].concat());

@@ -120,6 +120,36 @@ pub(crate) fn deep_files() -> Vec<Vec<u8>> {
     vec![deep("deepscanline", 2).bytes(), tiles.bytes()]
 }
 
+/// Sides of a strip of [`zeros`], and its bytes unpacked.
+const STRIP_SIDES: [usize; 2] = [16_384, 16];
+pub(crate) const STRIP: usize = 12 * STRIP_SIDES[0] * STRIP_SIDES[1];
+
+/// Width and height of [`zeros`].
+pub(crate) fn zeros_size(strips: usize) -> [u32; 2] {
+    [STRIP_SIDES[0] as u32, (strips * STRIP_SIDES[1]) as u32]
+}
+
+/// A legal file of this number of strips, black, all of which are packed as the first is.
+pub(crate) fn zeros(strips: usize) -> Vec<u8> {
+    let packed = super::written::black(STRIP_SIDES);
+    // The table has one offset: that of what stands right behind it.
+    let word = |at: usize| u64::from_le_bytes(packed[at..at + 8].try_into().unwrap());
+    let strip = (8..packed.len() - 8).find(|&at| word(at - 8) == at as u64).unwrap();
+    let strip = &packed[strip + 4..];
+    let [width, height] = zeros_size(strips).map(|side| side as i32);
+    let data = [0, 0, width - 1, height - 1];
+    let mut file = File { compression: 3, data, display: data, body: Vec::new(), ..File::new() };
+    let body = 8 + file.header().len() + 8 * strips;
+    for i in 0..strips {
+        file.body.extend(((body + i * (4 + strip.len())) as u64).to_le_bytes());
+    }
+    for i in 0..strips {
+        file.body.extend(((i * STRIP_SIDES[1]) as i32).to_le_bytes());
+        file.body.extend(strip);
+    }
+    file.bytes()
+}
+
 /// Whole and broken ones.
 pub(crate) fn files() -> Vec<Vec<u8>> {
     let whole = File::new();
@@ -235,6 +265,48 @@ pub(crate) fn files() -> Vec<Vec<u8>> {
         vec![0; 1000],
     ]);
     all
+}
+
+/// Zlib of a million bytes that are 160 million blanks unpacked: one blank, then copies of 258 by the fixed codes
+/// of RFC 1951. Its checksum is not there, for nobody should get that far.
+fn blanks() -> Vec<u8> {
+    let (mut bytes, mut bits, mut held) = (vec![0x78, 0x01], 0u32, 0);
+    let mut put = |code: u32, length: u32| {
+        bits |= code << held;
+        held += length;
+        while held >= 8 {
+            bytes.push(bits as u8);
+            (bits, held) = (bits >> 8, held - 8);
+        }
+    };
+    // Codes have their first bit first, numbers their last.
+    let code = |code: u32, length: u32| code.reverse_bits() >> (32 - length);
+    put(0b011, 3);
+    put(code(0x30 + u32::from(b' '), 8), 8);
+    for _ in 0..620_000 {
+        put(code(0b1100_0101, 8), 8);
+        put(0, 5);
+    }
+    put(0, 7 + 8);
+    bytes
+}
+
+/// PNG files of a pixel with a text or profile that unpacks to 160 MB, by the kind of chunk.
+pub(crate) fn png_bombs() -> Vec<(&'static str, Vec<u8>)> {
+    let blanks = blanks();
+    let head = chunk(b"IHDR", &[0, 0, 0, 1, 0, 0, 0, 1, 8, 2, 0, 0, 0]);
+    let file = |kind: &[u8; 4], start: &[u8]| {
+        let text = chunk(kind, &[start, &blanks].concat());
+        let all =
+            [&b"\x89PNG\r\n\x1a\n"[..], &head, &text, &chunk(b"IDAT", b""), &chunk(b"IEND", b"")];
+        all.concat()
+    };
+    vec![
+        ("recipe", file(b"iTXt", b"burnish\0\x01\0\0\0")),
+        ("iTXt", file(b"iTXt", b"comment\0\x01\0\0\0")),
+        ("zTXt", file(b"zTXt", b"burnish\0\0")),
+        ("iCCP", file(b"iCCP", b"profile\0\0")),
+    ]
 }
 
 /// A chunk of a PNG file; its checksum is right.

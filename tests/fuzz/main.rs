@@ -5,6 +5,7 @@
 //! A few in each test run; `BURNISH_FUZZ=1000000 cargo test --release --test fuzz -- --nocapture`
 //! makes so many changes of each kind, and `BURNISH_FUZZ_SECONDS=60` as many as come in that time.
 
+mod bombs;
 #[path = "../support/bounded.rs"]
 mod bounded;
 mod experiment;

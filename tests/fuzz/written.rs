@@ -57,6 +57,18 @@ fn written(layers: Vec<Colours>, display: IntegerBounds) -> Vec<u8> {
     bytes.into_inner()
 }
 
+/// Zeros, a single strip of 16 lines.
+pub(crate) fn black([width, height]: [usize; 2]) -> Vec<u8> {
+    let attributes = LayerAttributes::named("black");
+    let zeros = || FlatSamples::F32(vec![0.0; width * height]);
+    let channels = ["B", "G", "R"].map(|name| AnyChannel::new(name, zeros()));
+    let encoding = Encoding { compression: Compression::ZIP16, ..Encoding::UNCOMPRESSED };
+    let size = Vec2(width, height);
+    let channels = AnyChannels::sort(channels.into_iter().collect());
+    let display = IntegerBounds::new(Vec2(0, 0), size);
+    written(vec![Layer::new(size, attributes, encoding, channels)], display)
+}
+
 /// A file, and whether its first part is one of three colours that is read to the bit: some compressions keep
 /// less than that.
 pub(crate) struct Written {

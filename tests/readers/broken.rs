@@ -1,5 +1,6 @@
 //! No input may panic, hang or eat memory.
 
+use super::bounded::{EACH, FREE, bounded, is_alone};
 use super::mutate::{Random, WORDS};
 use super::text;
 use burnish::geometry::Ray;
@@ -103,8 +104,13 @@ fn broken_files_are_errors() {
     }
 }
 
+/// Each within a second and the bytes that all files together explain.
 #[test]
 fn thousands_of_damaged_files_neither_panic_nor_hang() {
+    const SEED: u64 = 20_260_101;
+    if !is_alone(concat!(module_path!(), "::thousands_of_damaged_files_neither_panic_nor_hang")) {
+        return;
+    }
     let mut binary = b"ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty float x\n\
                        property double y\nproperty float z\nelement face 1\n\
                        property list ushort uint vertex_index\nproperty list uchar char tags\n\
@@ -143,7 +149,7 @@ fn thousands_of_damaged_files_neither_panic_nor_hang() {
     for (name, bytes) in good.into_iter().filter(|(name, _)| !name.ends_with(".mtl")) {
         read::read(bytes, name.as_ref(), &Memory(&good)).unwrap_or_else(|e| panic!("{e}"));
     }
-    let mut random = Random(20_260_101);
+    let mut random = Random(SEED);
     let mut read = [0, 0];
     for round in 0..6000 {
         let mut files = good;
@@ -153,7 +159,9 @@ fn thousands_of_damaged_files_neither_panic_nor_hang() {
         // An MTL file is read by way of its model.
         let opened = if victim == 2 { 1 } else { victim };
         let (name, content) = files[opened];
-        match read::read(content, name.as_ref(), &Memory(&files)) {
+        let most = FREE + EACH * files.iter().map(|(_, bytes)| bytes.len()).sum::<usize>();
+        let read_all = || read::read(content, name.as_ref(), &Memory(&files));
+        match bounded(most, files[victim].1, SEED, read_all) {
             Ok((builder, report)) => {
                 read[0] += 1;
                 assert!(
@@ -195,9 +203,13 @@ fn build_and_trace(builder: SceneBuilder, random: &mut Random) -> u32 {
 }
 
 /// The shipped scenes and models, damaged: every one a scene that can be built and traced, or an
-/// error in a few words. What is read is no more than the bytes explain.
+/// error in a few words. What is read is no more than the bytes explain, and read within a second.
 #[test]
 fn damaged_shipped_scenes_are_scenes_or_errors() {
+    const SEED: u64 = 20_261_122;
+    if !is_alone(concat!(module_path!(), "::damaged_shipped_scenes_are_scenes_or_errors")) {
+        return;
+    }
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/scenes");
     let mut good: Vec<(String, Vec<u8>)> = std::fs::read_dir(folder)
         .unwrap()
@@ -210,7 +222,7 @@ fn damaged_shipped_scenes_are_scenes_or_errors() {
         .collect();
     good.sort();
     assert!(good.len() >= builtin::EXAMPLES.len() + 5, "{} files", good.len());
-    let mut random = Random(20_261_122);
+    let mut random = Random(SEED);
     let (mut read, mut hits, mut traced) = ([0, 0], 0, 0);
     for round in 0..6000 {
         let (name, whole) = &good[round % good.len()];
@@ -224,7 +236,9 @@ fn damaged_shipped_scenes_are_scenes_or_errors() {
             .filter(|(_, bytes)| bytes.len() < 100_000)
             .map(|(n, b)| (n.as_str(), if n == name { &bytes } else { b.as_slice() }))
             .collect();
-        match read::read(&bytes, name.as_ref(), &Memory(&files)) {
+        let most = FREE + EACH * files.iter().map(|(_, bytes)| bytes.len()).sum::<usize>();
+        let most = most + EACH * bytes.len();
+        match bounded(most, &bytes, SEED, || read::read(&bytes, name.as_ref(), &Memory(&files))) {
             Ok((builder, report)) => {
                 read[0] += 1;
                 let most = 20_000 + bytes.len();

@@ -1,6 +1,8 @@
 //! Every reader: what it makes of good files, what it says of odd ones, and that no input at all
 //! makes it panic.
 
+#[path = "../support/bounded.rs"]
+mod bounded;
 mod broken;
 mod coincide;
 mod files;

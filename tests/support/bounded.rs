@@ -13,7 +13,7 @@ pub const FREE: usize = 2 << 20;
 pub const EACH: usize = 64;
 
 /// What this thread has had of a processor, where the system tells.
-fn worked() -> Option<Duration> {
+pub fn worked() -> Option<Duration> {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     text.split(' ').next()?.parse().ok().map(Duration::from_nanos)
 }
