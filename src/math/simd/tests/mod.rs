@@ -20,6 +20,11 @@ fn floats(salt: u32) -> [f32; 16] {
     words(salt).map(|x| (x >> 8) as f32 / 65536.0 - 128.0)
 }
 
+/// A number of turns with what random words give; of an interpreter, which is a thousand times slower, a few.
+const fn turns(all: u32) -> u32 {
+    if cfg!(miri) { all / 50 } else { all }
+}
+
 /// What a packet does in and out of memory, and all that the trait adds to a lane.
 struct Everything;
 
@@ -28,7 +33,7 @@ impl Kernel for Everything {
     #[inline(always)]
     fn run<W: Simd8, P: SimdWide>(self) {
         let width = P::WIDTH;
-        for salt in 0..200 {
+        for salt in 0..turns(200) {
             let (x, y) = (floats(salt), floats(salt + 1000));
             let (i, j) = (words(salt), words(salt + 2000));
             // Small differences and equal numbers as well.
@@ -130,7 +135,7 @@ fn load_all<P: SimdWide>() -> P {
 #[inline(always)]
 fn alike<L: Simd>(fused: bool, load: impl Fn(&[f32; 16]) -> L, store: impl Fn(L, &mut [f32; 16])) {
     let same = |a: f32, b: f32| f32::to_bits(a) == f32::to_bits(b) || (a.is_nan() && b.is_nan());
-    for turn in 0..16 * 16 {
+    for turn in (0..16 * 16).step_by(if cfg!(miri) { 9 } else { 1 }) {
         // Every lane meets every kind, and beside it in time every other.
         let (x, y) =
             (from_fn(|k| KINDS[(k + turn) % 16]), from_fn(|k| KINDS[(k + turn / 16) % 16]));
@@ -180,7 +185,7 @@ fn alike<L: Simd>(fused: bool, load: impl Fn(&[f32; 16]) -> L, store: impl Fn(L,
         compare("and", a.le(b) & b.le(a), &|x, y| x == y);
         compare("or", a.lt(b) | a.equal(b), &|x, y| x <= y);
     }
-    for salt in 0..200 {
+    for salt in 0..turns(200) {
         let (i, j) = (words(salt), words(salt + 100));
         let of = |x: &[u32; 16]| load(&x.map(f32::from_bits)).to_bits();
         let (a, b) = (of(&i), of(&j));
@@ -211,7 +216,7 @@ impl Kernel for Choice {
     type Output = ();
     #[inline(always)]
     fn run<W: Simd8, P: SimdWide>(self) {
-        for salt in 0..2000 {
+        for salt in 0..turns(2000) {
             // Zeros and equal numbers among them; infinity comes from planes beyond a flat ray.
             let some = floats(salt);
             let numbers: [f32; 8] = from_fn(|k| match some[k] {
