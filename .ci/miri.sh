@@ -14,7 +14,7 @@ if ! cargo +nightly miri --version >/dev/null 2>&1; then
     exit 0
 fi
 tests=("$@")
-[ $# -gt 0 ] || tests=(math::simd::tests::{lanes_are,packets_do,every_lane} math::frame film::state film::interval plain)
+[ $# -gt 0 ] || tests=(math::simd::tests::{lanes_are,packets_do,every_lane} math::frame film::state film::interval scene::read::text plain)
 # The window's crates are not needed, and its tests would bring them.
 export RUSTFLAGS="--cfg headless" MIRIFLAGS="-Zmiri-disable-isolation" CARGO_TARGET_DIR=target/miri
 timeout "${LIMIT:-1800}" cargo +nightly miri test --lib --no-default-features -- "${tests[@]}"
