@@ -230,3 +230,37 @@ fn a_crowd_is_given_up_and_told() {
     let said = told(&scene);
     assert!(said.len() == 1 && said[0].text.contains("not all were compared"), "{said:?}");
 }
+
+/// Thousands of pairs of materials, with names of any length, are told of in lines that can be read.
+#[test]
+fn of_many_pairs_a_few_are_told_in_short_lines() {
+    for lit in [false, true] {
+        let mut b = SceneBuilder::new("pile");
+        for i in 0..60 {
+            let name = format!("{i} {}", "\u{202e}".repeat(1 + i));
+            let material = material(&mut b, &name, 0.5, f64::from(u8::from(lit && i % 2 == 0)));
+            let sides = [[0.0, 1.0], [0.0, 1.0 + i as f64]];
+            b.mesh(&rectangle(sides, 0.0, 0), DAffine3::IDENTITY, material).unwrap();
+        }
+        let scene = b.build();
+        let all = scene.coinciding().len();
+        assert_eq!(all, 60 * 59 / 2);
+        let mut report = Report::default();
+        scene.report(&mut report);
+        let lines = report.warnings.iter().map(|w| w.text.as_str());
+        let lines: Vec<&str> = lines.chain(report.notes.iter().map(String::as_str)).collect();
+        for line in &lines {
+            assert!(line.len() < 500 && !line.chars().any(char::is_control), "{line}");
+        }
+        // Even ones emit: all pairs but those of two odd ones.
+        let (dark, listed) = if lit { (30 * 29 / 2, 100) } else { (all, 0) };
+        assert_eq!(report.warnings.len(), if lit { listed + 1 } else { 0 }, "{lines:?}");
+        let rest = format!("{} more pairs of materials share a place", all - dark - listed);
+        assert!(!lit || report.warnings[listed].text == rest, "{lines:?}");
+        let [note] = &report.notes[..] else { panic!("{lines:?}") };
+        let named = note.matches(" before ").count();
+        assert!(
+            named > 1 && note.ends_with(&format!("and {} more pairs of materials", dark - named))
+        );
+    }
+}

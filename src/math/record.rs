@@ -290,7 +290,10 @@ mod tests {
                 let light = [r, g, b].map(|x| lanes(x)[lane]);
                 assert_eq!(light, [one.light.r, one.light.g, one.light.b]);
                 let is = |colour| found.colour.is(colour).bits() >> lane & 1 != 0;
-                assert_eq!([is(Colour::Blue), is(Colour::Red)], [i.is_multiple_of(3), !i.is_multiple_of(3)]);
+                assert_eq!(
+                    [is(Colour::Blue), is(Colour::Red)],
+                    [i.is_multiple_of(3), !i.is_multiple_of(3)]
+                );
             }
         }
     }

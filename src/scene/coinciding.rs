@@ -16,6 +16,10 @@ pub struct Coinciding {
     pub pairs: usize,
 }
 
+/// Pairs of materials that are told of one by one where light is lost, and bytes of a line of the others.
+const MOST: usize = 100;
+const LINE: usize = 340;
+
 impl Scene {
     /// Surfaces that share a place, by the materials of the one in front and the one behind. Pairs of
     /// one material that does not emit are not looked for: it makes no difference which is met.
@@ -44,7 +48,7 @@ impl Scene {
         let pairs = |n: usize| if n == 1 { "1 pair".to_owned() } else { format!("{n} pairs") };
         let (lit, others): (Vec<_>, Vec<_>) =
             self.coinciding().into_iter().partition(|c| emits(c.front) || emits(c.behind));
-        report.warnings.extend(lit.iter().map(|c| {
+        report.warnings.extend(lit.iter().take(MOST).map(|c| {
             warning(format!(
                 "{} of surfaces share a place: {} is in front there, and {} is not seen",
                 pairs(c.pairs),
@@ -52,13 +56,24 @@ impl Scene {
                 named(c.behind)
             ))
         }));
-        if !others.is_empty() {
-            let each = others.iter().map(|c| {
+        if lit.len() > MOST {
+            let more = lit.len() - MOST;
+            report.warnings.push(warning(format!("{more} more pairs of materials share a place")));
+        }
+        if let Some((first, rest)) = others.split_first() {
+            let told = |c: &Coinciding| {
                 format!("{} before {} ({})", named(c.front), named(c.behind), pairs(c.pairs))
-            });
+            };
+            let mut text = told(first);
+            for (i, next) in rest.iter().map(told).enumerate() {
+                if text.len() + next.len() > LINE {
+                    text += &format!(", and {} more pairs of materials", rest.len() - i);
+                    break;
+                }
+                text = text + ", " + &next;
+            }
             report.notes.push(format!(
-                "surfaces share a place, and the first in the file is seen there: {}",
-                each.collect::<Vec<_>>().join(", ")
+                "surfaces share a place, and the first in the file is seen there: {text}"
             ));
         }
         if self.bvh.coincident().given_up {

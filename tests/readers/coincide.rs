@@ -120,3 +120,19 @@ fn places_are_compared_as_the_tracer_has_them() {
         assert!(names(&scene).iter().all(|name| name.starts_with("light")));
     }
 }
+
+#[test]
+fn names_of_any_length_leave_lines_short() {
+    let [first, second, third] = ["a", "b", "c"].map(|end| "\u{202e}".repeat(70) + end);
+    let mtl = format!("newmtl {first}\nKd 1 0 0\nnewmtl {second}\nKd 0 1 0\n");
+    let face = |name: &str| format!("usemtl {name}\nf 1 2 3\n");
+    let faces = [&first, &second, &third].map(|name| face(name)).concat();
+    let text = format!("mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}");
+    let files = Memory(&[("m.mtl", mtl.as_bytes())]);
+    let (_, report) = bare(text.as_bytes(), "m.obj", &files).unwrap();
+    let found = warnings(&report);
+    for told in ["in the same place as of", "no MTL file defines"] {
+        let told = found.iter().find(|line| line.contains(told)).expect(told);
+        assert!(told.len() < 500 && told.contains(r"\u{202e}") && told.contains('…'), "{told}");
+    }
+}

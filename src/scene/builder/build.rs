@@ -63,7 +63,7 @@ impl SceneBuilder {
             self.duplicates += doubles.count;
             let named = |material: MaterialId| {
                 let material = &self.materials[material as usize];
-                (shown(&material.name).to_string(), material.emits())
+                (shown(&material.name), material.emits())
             };
             let warning = |lost: &Lost| (lost.first.line, lost.sentence(named));
             remarks.warnings = doubles.lost().iter().map(warning).collect();

@@ -121,8 +121,14 @@ pub(super) fn line_end(bytes: &[u8]) -> usize {
 /// A piece of the file for a message: short, and without characters that steer a terminal.
 pub(in crate::scene) fn shown(token: &str) -> String {
     const LONGEST: usize = 60;
+    // Three of them leave room in a line.
+    const BYTES: usize = 120;
     let mut safe = String::new();
-    for c in token.chars().take(LONGEST) {
+    for (i, c) in token.chars().enumerate() {
+        if i == LONGEST || safe.len() >= BYTES {
+            safe.push('…');
+            break;
+        }
         if let Some(byte) = byte_of(c) {
             safe.push_str(&format!("\\x{byte:02x}"));
             continue;
@@ -131,9 +137,6 @@ pub(in crate::scene) fn shown(token: &str) -> String {
             '\'' | '"' | '\\' => safe.push(c),
             _ => safe.extend(c.escape_debug()),
         }
-    }
-    if token.chars().nth(LONGEST).is_some() {
-        safe.push('…');
     }
     safe
 }

@@ -151,6 +151,7 @@ mod tests {
         let thread =
             std::thread::spawn(move || look_after(known, &added, || notify.send(()).is_ok()));
         more.send(vec![stale, Stamp::of(&second)]).unwrap();
+        // Time for a change to be told that is none: nothing else would tell of looks that found nothing.
         std::thread::sleep(4 * PERIOD);
         assert_eq!(told.try_iter().count(), 0, "nothing has changed");
         fs::write(&second, "here").unwrap();

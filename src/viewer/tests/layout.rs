@@ -85,6 +85,7 @@ fn the_picture_follows_the_window_once_that_stands_still() {
     desk.document(|d| (d.follow, d.params.size) = (false, [64, 48]));
     desk.harness.set_size(vec2(600.0, 400.0));
     desk.settle();
+    // A size that follows would have settled by then; what does not happen cannot be waited for.
     std::thread::sleep(Duration::from_millis(250));
     desk.settle();
     assert_eq!(desk.doc().params.size, [64, 48]);
