@@ -93,7 +93,7 @@ impl<L: Simd> BrdfParams<L> {
         let glossy = self.has_specular();
         let (p_specular, g1, pdf_factor) = if glossy.any() {
             let g1 = M::g1_over_cos(self.roughness, wo);
-            (M::p_specular(self, wo), g1, M::pdf_factor(self.roughness, wo))
+            (self.p_specular(wo), g1, M::pdf_factor(self.roughness, wo))
         } else {
             (zero, zero, zero)
         };
@@ -119,7 +119,7 @@ pub struct Brdf<L: Simd = f32> {
     params: BrdfParams<L>,
     wo: V3<L>,
     glossy: L::Mask,
-    p_specular: L,
+    pub(super) p_specular: L,
     /// G1(wo) over its cosine.
     g1: L,
     pdf_factor: L,
@@ -134,15 +134,21 @@ impl<L: Simd> Brdf<L> {
     /// Value and density for a unit direction `wi`; zero unless it and `wo` are above the surface.
     #[inline(always)]
     pub fn eval<M: Microfacet>(&self, wi: V3<L>) -> Evaluation<L> {
-        let above = above::<M, L>(self.wo, wi);
+        self.eval_by::<M, Above>(wi)
+    }
+
+    /// [`Brdf::eval`] by some horizon.
+    #[inline(always)]
+    pub(super) fn eval_by<M: Microfacet, H: Horizon>(&self, wi: V3<L>) -> Evaluation<L> {
+        let above = is_above::<H, L>(self.wo, wi);
         if !self.glossy.any() {
-            return self.diffuse_only::<M>(wi, above);
+            return self.diffuse_only::<H>(wi, above);
         }
         let h = wi + self.wo;
         let h2 = h.length2();
         let d = M::d(self.params.roughness, h);
         let weight = schlick_weight(one_minus_dot(self.wo, wi, h2));
-        self.combine::<M>(wi, d, weight, (h.z + h.z) / h2, above)
+        self.combine::<M, H>(wi, d, weight, (h.z + h.z) / h2, above)
     }
 
     /// A direction from a uniform number for the lobe and two for the direction. D and F come from
@@ -150,10 +156,20 @@ impl<L: Simd> Brdf<L> {
     /// when alpha is small.
     #[inline(always)]
     pub fn sample<M: Microfacet>(&self, choice: L, u: [L; 2]) -> LobeSample<L> {
+        self.sample_by::<M, Above>(choice, u)
+    }
+
+    /// [`Brdf::sample`] by some horizon.
+    #[inline(always)]
+    pub(super) fn sample_by<M: Microfacet, H: Horizon>(
+        &self,
+        choice: L,
+        u: [L; 2],
+    ) -> LobeSample<L> {
         let wo = self.wo;
         if !self.glossy.any() {
             let wi = cosine_hemisphere(u);
-            let e = self.diffuse_only::<M>(wi, above::<M, L>(wo, wi));
+            let e = self.diffuse_only::<H>(wi, is_above::<H, L>(wo, wi));
             return LobeSample { wi, f: e.f, pdf: e.pdf };
         }
         let take_specular = choice.lt(self.p_specular);
@@ -176,21 +192,22 @@ impl<L: Simd> Brdf<L> {
         let cos_over_dot = L::select(take_specular, wm.z / dot, (h.z + h.z) / h2);
         let facing = dot.gt(L::splat(0.0)) | !take_specular;
         let weight = schlick_weight(one_minus_d);
-        let e = self.combine::<M>(wi, d, weight, cos_over_dot, above::<M, L>(wo, wi) & facing);
+        let valid = is_above::<H, L>(wo, wi) & facing;
+        let e = self.combine::<M, H>(wi, d, weight, cos_over_dot, valid);
         LobeSample { wi, f: e.f, pdf: e.pdf }
     }
 
     /// What [`Brdf::combine`] gives where no lane has a specular lobe.
     #[inline(always)]
-    fn diffuse_only<M: Microfacet>(&self, wi: V3<L>, valid: L::Mask) -> Evaluation<L> {
+    fn diffuse_only<H: Horizon>(&self, wi: V3<L>, valid: L::Mask) -> Evaluation<L> {
         Evaluation {
             f: self.params.kd.map(|kd| (kd * L::splat(INV_PI)).or_zero(valid)),
-            pdf: cosine_hemisphere_pdf(M::cosine(wi.z)).or_zero(valid),
+            pdf: cosine_hemisphere_pdf(H::cosine(wi.z)).or_zero(valid),
         }
     }
 
     #[inline(always)]
-    fn combine<M: Microfacet>(
+    fn combine<M: Microfacet, H: Horizon>(
         &self,
         wi: V3<L>,
         d: L,
@@ -204,7 +221,7 @@ impl<L: Simd> Brdf<L> {
         let f = diffuse + schlick(self.params.ks, weight) * lobe;
         let p = self.p_specular;
         let specular = M::pdf_wi(self.pdf_factor, d, cos_over_dot).or_zero(p.gt(L::splat(0.0)));
-        let pdf = p * specular + (L::splat(1.0) - p) * cosine_hemisphere_pdf(M::cosine(wi.z));
+        let pdf = p * specular + (L::splat(1.0) - p) * cosine_hemisphere_pdf(H::cosine(wi.z));
         let valid = valid & pdf.gt(L::splat(0.0));
         Evaluation { f: f.map(|c| c.or_zero(valid)), pdf: pdf.or_zero(valid) }
     }
@@ -223,7 +240,7 @@ impl BrdfParams {
 
     /// All factors of the red channel's value.
     pub fn terms<M: Microfacet>(&self, wo: V3, wi: V3) -> Terms {
-        if !above::<M, f32>(wo, wi) {
+        if !is_above::<Above, f32>(wo, wi) {
             return Terms {
                 d: 0.0,
                 g1i: 0.0,
@@ -240,7 +257,7 @@ impl BrdfParams {
         let h2 = h.length2();
         let d = M::d(self.roughness, h);
         let (gi, go) = (M::g1_over_cos(self.roughness, wi), M::g1_over_cos(self.roughness, wo));
-        let (g1i, g1o) = (gi * M::cosine(wi.z), go * M::cosine(wo.z));
+        let (g1i, g1o) = (gi * wi.z, go * wo.z);
         let fresnel = schlick(self.ks, schlick_weight(one_minus_dot(wo, wi, h2))).r;
         let lobe = if self.has_specular() { d * (gi * go * 0.25) } else { 0.0 };
         Terms {
@@ -250,16 +267,31 @@ impl BrdfParams {
             g: g1i * g1o,
             fresnel,
             specular: lobe * fresnel,
-            pdf_diffuse: cosine_hemisphere_pdf(M::cosine(wi.z)),
+            pdf_diffuse: cosine_hemisphere_pdf(wi.z),
             pdf_specular: M::pdf_wi(M::pdf_factor(self.roughness, wo), d, (h.z + h.z) / h2),
-            p_specular: M::p_specular(self, wo),
+            p_specular: self.p_specular(wo),
         }
     }
 }
 
+/// The cosine that counts, from the signed one: where it is not above 0 there is no light.
+pub(super) trait Horizon {
+    fn cosine<L: Simd>(cos: L) -> L;
+}
+
+/// Directions above the surface count.
+pub(super) struct Above;
+
+impl Horizon for Above {
+    #[inline(always)]
+    fn cosine<L: Simd>(cos: L) -> L {
+        cos
+    }
+}
+
 #[inline(always)]
-fn above<M: Microfacet, L: Simd>(wo: V3<L>, wi: V3<L>) -> L::Mask {
-    M::cosine(wo.z).gt(L::splat(0.0)) & M::cosine(wi.z).gt(L::splat(0.0))
+fn is_above<H: Horizon, L: Simd>(wo: V3<L>, wi: V3<L>) -> L::Mask {
+    H::cosine(wo.z).gt(L::splat(0.0)) & H::cosine(wi.z).gt(L::splat(0.0))
 }
 
 /// `1 - wi.wm` for the half vector `wm`, without cancellation: |wi - wo|² / (4 (1 + d)).

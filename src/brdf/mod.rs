@@ -13,7 +13,6 @@
 mod beckmann;
 mod bsdf;
 pub mod errata;
-mod formulas;
 mod fresnel;
 mod full_ndf;
 mod ggx;
@@ -22,8 +21,7 @@ mod roughness;
 
 pub use beckmann::Beckmann;
 pub use bsdf::{Brdf, BrdfParams, Evaluation, LobeSample, Terms};
-pub use errata::Erratum;
-pub use formulas::Formulas;
+pub use errata::{Erratum, Formulas};
 pub use full_ndf::{FullNdf, Invertible, Normals};
 pub use ggx::Ggx;
 pub use phong::Phong;
@@ -74,10 +72,21 @@ impl Model {
         }
     }
 
-    /// The same with its normals drawn this way and with this mistake made. An erratum about
-    /// another model, or about the tracer, leaves the model as it is.
+    /// The same with its normals drawn this way.
+    pub fn visit_normals<V: ModelVisitor>(self, normals: Normals, visitor: V) -> V::Output {
+        match (self, normals) {
+            (Model::Phong, _) => visitor.visit::<Phong>(),
+            (Model::Beckmann, Normals::Visible) => visitor.visit::<Beckmann>(),
+            (Model::Ggx, Normals::Visible) => visitor.visit::<Ggx>(),
+            (Model::Beckmann, Normals::Distribution) => visitor.visit::<FullNdf<Beckmann>>(),
+            (Model::Ggx, Normals::Distribution) => visitor.visit::<FullNdf<Ggx>>(),
+        }
+    }
+
+    /// The same with this mistake made in D, G1, the sampler of normals or their density. An erratum
+    /// about another model, about both lobes together or about the tracer leaves the model as it is.
     ///
-    /// This compiles the work for 21 models. Where that is too much, [`Formulas`] has them all by
+    /// This compiles the work for 16 models. Where that is too much, [`Formulas`] has them all by
     /// pointer.
     pub fn visit_with<V: ModelVisitor>(
         self,
@@ -86,7 +95,7 @@ impl Model {
         visitor: V,
     ) -> V::Output {
         use errata::models::{BeckmannLog10, GgxDAlpha, GgxGSum, PhongExponent};
-        type All<M> = FullNdf<M>;
+        type All = FullNdf<Ggx>;
         match (self, normals, erratum) {
             (Model::Beckmann, _, Some(Erratum::BeckmannLog10)) => visitor.visit::<BeckmannLog10>(),
             (Model::Phong, _, Some(Erratum::PhongExponent)) => visitor.visit::<PhongExponent>(),
@@ -96,24 +105,13 @@ impl Model {
             (Model::Ggx, Normals::Visible, Some(Erratum::GgxDAlpha)) => {
                 visitor.visit::<GgxDAlpha<Ggx>>()
             }
-            (Model::Ggx, _, Some(Erratum::GgxGSum)) => visitor.visit::<GgxGSum<All<Ggx>>>(),
-            (Model::Ggx, _, Some(Erratum::GgxDAlpha)) => visitor.visit::<GgxDAlpha<All<Ggx>>>(),
-            (Model::Phong, _, _) => lobe_erratum::<Phong, V>(erratum, visitor),
-            (Model::Beckmann, Normals::Visible, _) => lobe_erratum::<Beckmann, V>(erratum, visitor),
-            (Model::Ggx, Normals::Visible, _) => lobe_erratum::<Ggx, V>(erratum, visitor),
-            (Model::Beckmann, _, _) => lobe_erratum::<All<Beckmann>, V>(erratum, visitor),
-            (Model::Ggx, _, _) => lobe_erratum::<All<Ggx>, V>(erratum, visitor),
+            (Model::Ggx, _, Some(Erratum::GgxGSum)) => visitor.visit::<GgxGSum<All>>(),
+            (Model::Ggx, _, Some(Erratum::GgxDAlpha)) => visitor.visit::<GgxDAlpha<All>>(),
+            (_, _, Some(Erratum::BelowHorizon)) => {
+                self.visit_normals(normals, errata::below_horizon::Extended(visitor))
+            }
+            _ => self.visit_normals(normals, visitor),
         }
-    }
-}
-
-/// Those of the errata that every model can have.
-fn lobe_erratum<M: Microfacet, V: ModelVisitor>(erratum: Option<Erratum>, visitor: V) -> V::Output {
-    use errata::models::{BelowHorizon, ConstantLobeChoice};
-    match erratum {
-        Some(Erratum::BelowHorizon) => visitor.visit::<BelowHorizon<M>>(),
-        Some(Erratum::ConstantLobeChoice) => visitor.visit::<ConstantLobeChoice<M>>(),
-        _ => visitor.visit::<M>(),
     }
 }
 
@@ -165,19 +163,6 @@ pub trait Microfacet: Copy + Send + Sync + 'static {
     /// from the viewer's [`Microfacet::pdf_factor`], `d` = D(wm) and `cos_over_dot` =
     /// wm.z / (wo.wm). What falls below the horizon is missing from its integral.
     fn pdf_wi<L: Simd>(factor: L, d: L, cos_over_dot: L) -> L;
-
-    /// The cosine that counts, from the signed one: where it is not above 0 there is no light. The
-    /// same for every right model; [an erratum](Erratum::BelowHorizon) takes the absolute value.
-    #[inline(always)]
-    fn cosine<L: Simd>(cos: L) -> L {
-        cos
-    }
-
-    /// The probability of sampling the specular lobe. The same for every right model.
-    #[inline(always)]
-    fn p_specular<L: Simd>(params: &BrdfParams<L>, wo: V3<L>) -> L {
-        params.p_specular(wo)
-    }
 }
 
 /// Walter et al. 2007's rational G1 of Beckmann, divided by the cosine. Both Beckmann and Phong

@@ -3,8 +3,8 @@
 //!
 //! An [`Erratum`] is one mistake; everything else stays right. Mistakes of a formula are wrong
 //! [models]: wrappers around a right one that override what is wrong, chosen by
-//! [`Model::visit_with`](super::Model::visit_with). Mistakes of the estimator are rules of the
-//! tracer. The list of both is kept here, next to the formulas it is mostly about.
+//! [`Model::visit_with`](super::Model::visit_with); those of both lobes together are in
+//! [`Formulas`]. Mistakes of the estimator are rules of the reference tracer. The list of both is kept here, next to the formulas it is mostly about.
 //!
 //! Not shown, with the reason:
 //!
@@ -17,7 +17,11 @@
 //! - `0/0` at Kd = Ks = 0 or at normal incidence: the same.
 //! - "D is 0 when m.n *goes* 0" for "is not positive": part of [`Erratum::BelowHorizon`].
 
+pub(super) mod below_horizon;
+mod formulas;
 pub mod models;
+
+pub use formulas::Formulas;
 
 use super::Model;
 use crate::math::{Frame, V3};

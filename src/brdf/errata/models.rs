@@ -1,7 +1,7 @@
 //! The wrong models: each wraps a right one and overrides what the erratum is about.
 
-use crate::brdf::{Alpha, Beckmann, BrdfParams, FullNdf, Ggx, Microfacet, Model, Phong};
-use crate::math::{Simd, V3};
+use crate::brdf::{Alpha, Beckmann, Brdf, FullNdf, Ggx, Microfacet, Model, Phong};
+use crate::math::{Rgb, Simd, V3};
 use std::marker::PhantomData;
 
 /// How many times too large [`GgxDAlpha`] takes the alpha of the denominator.
@@ -28,14 +28,6 @@ pub struct BeckmannLog10;
 /// [`Erratum::PhongExponent`](super::Erratum::PhongExponent).
 #[derive(Clone, Copy, Debug)]
 pub struct PhongExponent;
-
-/// [`Erratum::BelowHorizon`](super::Erratum::BelowHorizon).
-#[derive(Clone, Copy, Debug)]
-pub struct BelowHorizon<M>(PhantomData<M>);
-
-/// [`Erratum::ConstantLobeChoice`](super::Erratum::ConstantLobeChoice).
-#[derive(Clone, Copy, Debug)]
-pub struct ConstantLobeChoice<M>(PhantomData<M>);
 
 /// What a wrapper leaves to the model that it wraps.
 macro_rules! right {
@@ -115,60 +107,11 @@ impl Microfacet for PhongExponent {
     }
 }
 
-impl<M: Microfacet> Microfacet for BelowHorizon<M> {
-    const MODEL: Model = M::MODEL;
-    right!(M: sample_wm);
-
-    #[inline(always)]
-    fn cosine<L: Simd>(cos: L) -> L {
-        cos.abs()
-    }
-
-    #[inline(always)]
-    fn d<L: Simd>(roughness: Alpha<L>, h: V3<L>) -> L {
-        M::d(roughness, upwards(h))
-    }
-
-    #[inline(always)]
-    fn g1_over_cos<L: Simd>(roughness: Alpha<L>, w: V3<L>) -> L {
-        let right = M::g1_over_cos(roughness, upwards(w));
-        if M::MODEL == Model::Ggx {
-            return right;
-        }
-        // The rational form at a = cot / alpha < 0, divided by |cos|.
-        let b = roughness.alpha * (w.x * w.x + w.y * w.y).sqrt();
-        let numerator = L::splat(3.535) * b + L::splat(2.181) * w.z;
-        let denominator = b * b + w.z * (L::splat(2.276) * b + L::splat(2.577) * w.z);
-        L::select(w.z.lt(L::splat(0.0)), -(numerator / denominator), right)
-    }
-
-    #[inline(always)]
-    fn pdf_factor<L: Simd>(roughness: Alpha<L>, wo: V3<L>) -> L {
-        M::pdf_factor(roughness, upwards(wo))
-    }
-
-    #[inline(always)]
-    fn pdf_wi<L: Simd>(factor: L, d: L, cos_over_dot: L) -> L {
-        M::pdf_wi(factor, d, cos_over_dot.abs())
-    }
-}
-
-impl<M: Microfacet> Microfacet for ConstantLobeChoice<M> {
-    const MODEL: Model = M::MODEL;
-    right!(M: d g1_over_cos sample_wm pdf);
-
-    #[inline(always)]
-    fn p_specular<L: Simd>(params: &BrdfParams<L>, _wo: V3<L>) -> L {
-        let length = |r: L, g: L, b: L| (r * r + g * g + b * b).sqrt();
-        let (kd, ks) = (params.kd, params.ks);
-        let (kd, ks) = (length(kd.r, kd.g, kd.b), length(ks.r, ks.g, ks.b));
-        // 0/0 is left out: it says nothing about the choice.
-        (ks / (kd + ks)).or_zero(ks.gt(L::splat(0.0)))
-    }
-}
-
-/// The direction or its mirror image, whichever is above the surface.
-#[inline(always)]
-fn upwards<L: Simd>(w: V3<L>) -> V3<L> {
-    V3::new(w.x, w.y, w.z.abs())
+/// [`Erratum::ConstantLobeChoice`](super::Erratum::ConstantLobeChoice) of what a viewer sees.
+pub(super) fn constant_lobe_choice(mut brdf: Brdf) -> Brdf {
+    let length = |c: Rgb| (c.r * c.r + c.g * c.g + c.b * c.b).sqrt();
+    let (kd, ks) = (length(brdf.params().kd), length(brdf.params().ks));
+    // 0/0 is left out: it says nothing about the choice.
+    brdf.p_specular = if ks > 0.0 { ks / (kd + ks) } else { 0.0 };
+    brdf
 }

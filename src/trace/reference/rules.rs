@@ -18,8 +18,11 @@ pub(super) trait Rules: Sized {
     fn eval(&self, brdf: &Brdf, wi: V3) -> Evaluation;
     /// [`Brdf::sample`], in the vertex's frame.
     fn sample(&self, vertex: &PathPoint, brdf: &Brdf, choice: f32, u: [f32; 2]) -> LobeSample;
-    /// [`Microfacet::cosine`].
-    fn cosine(&self, cos: f32) -> f32;
+    /// The cosine that counts, from the signed one: where it is not above 0 there is no light.
+    #[inline(always)]
+    fn cosine(&self, cos: f32) -> f32 {
+        cos
+    }
 
     /// A world direction in the vertex's frame, where both normals have it on the viewer's side.
     #[inline(always)]
@@ -93,9 +96,5 @@ impl<M: Microfacet> Rules for Correct<M> {
     #[inline(always)]
     fn sample(&self, _vertex: &PathPoint, brdf: &Brdf, choice: f32, u: [f32; 2]) -> LobeSample {
         brdf.sample::<M>(choice, u)
-    }
-    #[inline(always)]
-    fn cosine(&self, cos: f32) -> f32 {
-        M::cosine(cos)
     }
 }
