@@ -1,57 +1,61 @@
-//! The work that is compiled once for each microfacet model, chosen by the tracer's own.
+//! The one place where the tracer's model becomes a type.
 //!
-//! Only here does code outside the tracer hit what is generic over the model, so that whoever uses
-//! the library does not compile it again.
+//! Whatever is compiled once for each microfacet model is [`ModelWork`], so that whoever uses the library
+//! neither names a model's type nor compiles the work again.
 
 use super::wavefront::BatchOptions;
 use super::{PixelBatch, Scratch, Tracer, Watch};
 use crate::brdf::{Microfacet, ModelVisitor};
 use crate::math::Rgb;
 
-/// Paths side by side.
-struct Together<'a, 'b> {
-    tracer: &'a Tracer,
-    pixel_batch: &'a PixelBatch,
-    round: BatchOptions<'a>,
-    scratch: &'a mut Scratch,
-    watch: Watch<'b>,
+/// What a tracer does for a model.
+enum ModelWork<'a, 'b> {
+    /// Paths side by side.
+    Batch { pixels: &'a PixelBatch, options: BatchOptions<'a>, watch: Watch<'b> },
+    /// The reference tracer's samples of one pixel after the other, or of blocks of pixels.
+    Pixels {
+        pixels: &'a mut dyn Iterator<Item = [u32; 2]>,
+        pass: u64,
+        block: u32,
+        each: &'a mut dyn FnMut(Rgb),
+    },
 }
 
-impl ModelVisitor for Together<'_, '_> {
+struct ByModel<'t, 'a, 'b> {
+    tracer: &'t Tracer,
+    work: ModelWork<'a, 'b>,
+    scratch: &'t mut Scratch,
+}
+
+impl ModelVisitor for ByModel<'_, '_, '_> {
     type Output = ();
     fn visit<M: Microfacet>(self) {
-        let Together { tracer, pixel_batch, round, scratch, watch } = self;
-        tracer.sample_together::<M>(pixel_batch, round, scratch, watch);
-    }
-}
-
-/// One path after the other.
-struct OneByOne<'a> {
-    tracer: &'a Tracer,
-    pixels: &'a mut dyn Iterator<Item = [u32; 2]>,
-    pass: u64,
-    block: u32,
-    scratch: &'a mut Scratch,
-    each: &'a mut dyn FnMut(Rgb),
-}
-
-impl ModelVisitor for OneByOne<'_> {
-    type Output = ();
-    fn visit<M: Microfacet>(self) {
-        let OneByOne { tracer, pixels, pass, block, scratch, each } = self;
-        tracer.sample_pixels::<M>(pixels, pass, block, scratch, each);
+        let ByModel { tracer, work, scratch } = self;
+        match work {
+            ModelWork::Batch { pixels, options, watch } => {
+                tracer.sample_together::<M>(pixels, options, scratch, watch);
+            }
+            ModelWork::Pixels { pixels, pass, block, each } => {
+                tracer.sample_pixels::<M>(pixels, pass, block, scratch, each);
+            }
+        }
     }
 }
 
 impl Tracer {
+    fn run(&self, work: ModelWork, scratch: &mut Scratch) {
+        self.model.visit(ByModel { tracer: self, work, scratch });
+    }
+
+    /// Samples of a batch's pixels, side by side.
     pub(super) fn together(
         &self,
-        pixel_batch: &PixelBatch,
-        round: BatchOptions,
+        pixels: &PixelBatch,
+        options: BatchOptions,
         scratch: &mut Scratch,
         watch: Watch,
     ) {
-        self.model.visit(Together { tracer: self, pixel_batch, round, scratch, watch });
+        self.run(ModelWork::Batch { pixels, options, watch }, scratch);
     }
 
     /// [`Tracer::sample`] of one pixel after the other, or of blocks of pixels.
@@ -63,6 +67,6 @@ impl Tracer {
         scratch: &mut Scratch,
         each: &mut dyn FnMut(Rgb),
     ) {
-        self.model.visit(OneByOne { tracer: self, pixels, pass, block, scratch, each });
+        self.run(ModelWork::Pixels { pixels, pass, block, each }, scratch);
     }
 }
