@@ -3,12 +3,16 @@
 
 use super::ray_origin::UNIT_ROUNDOFF;
 use crate::math::V3;
-use crate::math::simd::SimdWide;
+use crate::math::simd::{Simd, SimdWide};
 use std::array::from_fn;
 
-/// Boxes are taken to be larger by this multiple of 1 + the ray's largest coordinate: three
-/// times what those of the test add up to, for points of the scene, whose coordinates are within 1.
-const MARGIN: f32 = 32.0 * UNIT_ROUNDOFF;
+/// By how much boxes are taken to be larger for a ray from `o`: three times what the roundings of a
+/// box test, fused or not, and of the triangle test's shear add up to, for points of the scene, whose
+/// coordinates are within 1.
+#[inline(always)]
+pub(super) fn box_margin<L: Simd>(o: V3<L>) -> L {
+    (o.abs().max_component() + L::splat(1.0)) * L::splat(32.0 * UNIT_ROUNDOFF)
+}
 
 /// A box along the axes.
 #[derive(Clone, Copy, Debug, Default)]
@@ -43,7 +47,7 @@ pub(crate) struct PacketSlabs<P> {
 impl<P: SimdWide> PacketSlabs<P> {
     #[inline(always)]
     pub(crate) fn new(o: V3<P>, d: V3<P>) -> PacketSlabs<P> {
-        let margin = (o.abs().max_component() + P::splat(1.0)) * P::splat(MARGIN);
+        let margin = box_margin(o);
         let inverse = [d.x.recip(), d.y.recip(), d.z.recip()];
         let o = [o.x, o.y, o.z];
         let shift = from_fn(|axis| -(o[axis] * inverse[axis]));

@@ -2,7 +2,7 @@
 
 use super::ray_origin::UNIT_ROUNDOFF;
 use super::{Geometry, SurfacePoint};
-use crate::math::simd::{Simd8, SimdWide};
+use crate::math::simd::{MAX_WIDTH, Simd8, SimdWide};
 use crate::math::{Mask, Simd, V3};
 use bytemuck::{Pod, Zeroable};
 
@@ -239,7 +239,8 @@ fn turned<P: SimdWide>(v: V3<P>, [x_first, y_first]: [P::Mask; 2]) -> [P; 3] {
 #[cold]
 #[inline(never)]
 fn resolve_near<P: SimdWide>(o: V3<P>, d: V3<P>, corners: [V3<P>; 3], lanes: u32, t: P) -> P {
-    let (mut rays, mut points, mut distances) = ([[0.0; 16]; 6], [[[0.0; 16]; 3]; 3], [0.0; 16]);
+    let (mut rays, mut points, mut distances) =
+        ([[0.0; MAX_WIDTH]; 6], [[[0.0; MAX_WIDTH]; 3]; 3], [0.0; MAX_WIDTH]);
     for (column, x) in rays.iter_mut().zip([o.x, o.y, o.z, d.x, d.y, d.z]) {
         x.store(column);
     }

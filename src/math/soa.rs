@@ -1,14 +1,14 @@
 //! Arrays of numbers in memory, one array a component, so that a SIMD type loads neighbours.
 
-use super::simd::SimdWide;
+use super::simd::{MAX_WIDTH, SimdWide};
 use super::{Rgb, V3};
 
 /// Most members of a batch.
 pub(crate) const BATCH: usize = 512;
 /// Whole registers may be written from any member's place.
-const ROOM: usize = BATCH + 16;
+const ROOM: usize = BATCH + MAX_WIDTH;
 /// The same for four numbers a member.
-pub(crate) const FOURFOLD: usize = 4 * BATCH + 16;
+pub(crate) const FOURFOLD: usize = 4 * BATCH + MAX_WIDTH;
 
 /// One number of each member.
 #[derive(Clone, Debug)]

@@ -43,8 +43,11 @@ pub(in crate::geometry) enum Child {
     Analytic(u32),
 }
 
+/// The two highest bits of a child word: none of them is set for a node, one for a pack of triangles or
+/// an analytic shape, and both where there is nothing to visit, of which [`child`] knows nothing.
 pub(in crate::geometry) const PACK: u32 = 1 << 31;
 pub(in crate::geometry) const ANALYTIC: u32 = 1 << 30;
+pub(in crate::geometry) const END: u32 = PACK | ANALYTIC;
 
 #[inline(always)]
 pub(in crate::geometry) fn child(word: u32) -> Child {

@@ -10,7 +10,7 @@ use super::single_ray::{Ray, Stack};
 use crate::geometry::aabb::PacketSlabs;
 use crate::geometry::triangle::resolve;
 use crate::geometry::{Geometry, Hit};
-use crate::math::simd::{Bits, Mask, Simd8, SimdWide, each_lane, first_lanes};
+use crate::math::simd::{Bits, MAX_WIDTH, Mask, Simd8, SimdWide, each_lane, first_lanes};
 use crate::math::soa::{FOURFOLD, Soa, Soa3};
 
 /// Rays `o + t d`, t > 0, one array a component.
@@ -78,11 +78,11 @@ impl Bvh {
             hits.set_quads::<P>(at, &quad_hits);
             let live = P::mask(first_lanes(rays.count - at));
             let open = (quad_hits.open & live).bits();
-            let (mut t, mut within) = ([0.0; 16], [0.0; 16]);
+            let (mut t, mut within) = ([0.0; MAX_WIDTH], [0.0; MAX_WIDTH]);
             quad_hits.t.store(&mut t);
             quad_hits.within.store(&mut within);
             // Of the analytic shapes the exact hits, as far as nothing else is known to be nearer.
-            let (mut t_max, mut nearest_shape) = ([0.0; 16], [NO_SHAPE; 16]);
+            let (mut t_max, mut nearest_shape) = ([0.0; MAX_WIDTH], [NO_SHAPE; MAX_WIDTH]);
             (quad_hits.t + quad_hits.within).store(&mut t_max);
             let mut analytic = 0;
             if !self.analytic.is_empty() {

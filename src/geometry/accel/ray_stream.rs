@@ -7,7 +7,7 @@
 //! branch. The tests are those of a single ray, so the hits are the same bits.
 
 use super::build::Bvh;
-use super::node::{ANALYTIC, PACK};
+use super::node::{ANALYTIC, END, PACK};
 use super::single_ray::{Stack, hit_analytic, is_traceable, take_nearer, take_nearest};
 use super::slabs::Slabs;
 use crate::geometry::triangle::{self, ShearedRay};
@@ -26,8 +26,6 @@ pub struct Query {
 
 /// Rays of a group; there are two, and while one is tested, memory fetches what the other needs.
 const GROUP: usize = 16;
-/// In place of a child: there is nothing left to visit.
-const DONE: u32 = (1 << 31) - 1;
 /// No hit.
 const NOTHING: u32 = u32::MAX;
 /// Places of a stack below the first that is used: they say that nothing is left.
@@ -68,7 +66,7 @@ impl Streams {
         Streams {
             flights: Box::new(std::array::from_fn(flight)),
             enter: vec![f32::NEG_INFINITY; 2 * GROUP * room].into(),
-            words: vec![DONE; 2 * GROUP * room].into(),
+            words: vec![END; 2 * GROUP * room].into(),
         }
     }
 }
@@ -103,9 +101,10 @@ impl List {
 impl Lists {
     #[inline(always)]
     fn push(&mut self, who: usize, word: u32) {
-        self.nodes.push_if(word >> 30 == 0, who);
-        self.packs.push_if(word >> 30 >= 2, who);
-        self.others.push_if(word >> 30 == 1, who);
+        let kind = word & END;
+        self.nodes.push_if(kind == 0, who);
+        self.packs.push_if(kind == PACK, who);
+        self.others.push_if(kind & ANALYTIC != 0, who);
     }
 }
 
@@ -326,7 +325,7 @@ impl<G: Goal> Each<'_, G> {
                 }
                 for who in lists.others.iter() {
                     let flight = &mut flights[who];
-                    if flight.word == DONE {
+                    if flight.word == END {
                         answers[flight.query as usize] = G::answer(flight.best);
                         let another = source.send::<W>(flight, answers);
                         sent.push_if(another, who);

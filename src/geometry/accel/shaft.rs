@@ -15,7 +15,7 @@ use crate::geometry::aabb::{Aabb, PacketSlabs};
 use crate::geometry::ray_origin::UNIT_ROUNDOFF;
 use crate::geometry::triangle::{self, ShearedRay};
 use crate::math::V3;
-use crate::math::simd::{Mask, Simd8, SimdWide};
+use crate::math::simd::{MAX_WIDTH, Mask, Simd8, SimdWide};
 
 /// Rays begin and end this near the points that the shaft is between: off the surfaces by their
 /// errors, some 60 unit roundoffs at most. Hits are within their boxes but for 16 more. In units of the
@@ -130,12 +130,12 @@ impl Shaft {
 pub(super) struct ShaftLeaves(Vec<(u32, Aabb)>);
 
 /// A register's worth of rays, taken out one by one.
-pub(super) struct Rays([[f32; 16]; 6]);
+pub(super) struct Rays([[f32; MAX_WIDTH]; 6]);
 
 impl Rays {
     #[inline(always)]
     pub(super) fn new<P: SimdWide>(o: V3<P>, d: V3<P>) -> Rays {
-        let mut parts = [[0.0; 16]; 6];
+        let mut parts = [[0.0; MAX_WIDTH]; 6];
         for (x, part) in [o.x, o.y, o.z, d.x, d.y, d.z].into_iter().zip(&mut parts) {
             x.store(part);
         }
@@ -207,7 +207,7 @@ impl Bvh {
     ) -> u32 {
         let packs = &self.packs[..];
         let mut blocked = 0;
-        let (mut sheared, mut ready) = ([ShearedRay::default(); 16], 0u32);
+        let (mut sheared, mut ready) = ([ShearedRay::default(); MAX_WIDTH], 0u32);
         for (word, aabb) in &leaves.0 {
             let met = slabs.may_hit(aabb, P::splat(t_max)).bits();
             let mut met = met & lanes & !blocked;

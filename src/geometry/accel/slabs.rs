@@ -2,12 +2,12 @@
 
 use super::node::Node;
 use super::single_ray::Ray;
-use crate::geometry::ray_origin::UNIT_ROUNDOFF;
+use crate::geometry::aabb::box_margin;
 use crate::math::simd::Simd8;
 
 /// A ray prepared for box tests.
 ///
-/// Boxes are hit as if grown by a margin that covers every rounding of the box test, the product
+/// Boxes are hit as if grown by [a margin](box_margin) that covers every rounding of the box test, the product
 /// of origin and inverse included, and of the triangle test's shear, so that no box is missed whose
 /// triangle would be hit. So the test may be fused or not: hits do not depend on it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -24,8 +24,7 @@ impl Slabs {
     #[inline(always)]
     pub(super) fn new(ray: &Ray) -> Slabs {
         let (o, d) = ([ray.o.x, ray.o.y, ray.o.z], [ray.d.x, ray.d.y, ray.d.z]);
-        // Coordinates of the scene are within [-1, 1].
-        let margin = 16.0 * UNIT_ROUNDOFF * (ray.o.abs().max_component() + 1.0);
+        let margin = box_margin(ray.o);
         let fastest = ray.d.abs().max_component();
         let mut slabs = Slabs::default();
         for axis in 0..3 {

@@ -9,7 +9,7 @@ use super::single_ray::Stack;
 use crate::geometry::aabb::PacketSlabs;
 use crate::geometry::{Geometry, offset_origin};
 use crate::math::V3;
-use crate::math::simd::{Bits, Mask, Simd8, SimdWide, each_lane, first_lanes};
+use crate::math::simd::{Bits, MAX_WIDTH, Mask, Simd8, SimdWide, each_lane, first_lanes};
 use crate::math::soa::{Soa, Soa3};
 use std::ops::Range;
 
@@ -101,7 +101,7 @@ impl PointSoa<'_> {
             let p = self.p.load::<P>(at);
             let mut corners = [[0.0; 3]; 2];
             for (axis, x) in [p.x, p.y, p.z].into_iter().enumerate() {
-                let mut lanes = [0.0; 16];
+                let mut lanes = [0.0; MAX_WIDTH];
                 P::select(there, x, P::splat(infinite)).store(&mut lanes);
                 corners[0][axis] = lanes[..P::WIDTH].iter().copied().fold(infinite, f32::min);
                 P::select(there, x, P::splat(nothing)).store(&mut lanes);

@@ -3,7 +3,7 @@
 use super::PathBatch;
 use crate::geometry::NO_SURFACE;
 use crate::math::V3;
-use crate::math::simd::{Bits, Kernel, Simd8, SimdWide, first_lanes};
+use crate::math::simd::{Bits, Kernel, MAX_WIDTH, Simd8, SimdWide, first_lanes};
 use crate::math::sobol::{Slot, Stream, pair};
 use crate::trace::Tracer;
 
@@ -40,7 +40,7 @@ impl Kernel for GenerateCameraRays<'_> {
             if !emitter_boxes.is_empty() {
                 let live = P::mask(first_lanes(count - at));
                 let place = [P::from_small(x), P::from_small(y)];
-                let slots: [u32; 16] = std::array::from_fn(|lane| (at + lane) as u32);
+                let slots: [u32; MAX_WIDTH] = std::array::from_fn(|lane| (at + lane) as u32);
                 let path = (P::load_bits(&slots), &stream);
                 mis_fraction =
                     tracer.split_camera_rays(split_rays, &emitter_boxes, live, place, side, path);

@@ -4,7 +4,7 @@ use super::PathBatch;
 use super::light_sums::{LightSum, ReuseRole};
 use super::vertex::Arrival;
 use crate::math::Rgb;
-use crate::math::simd::{Kernel, Mask, Simd8, SimdWide, each_lane};
+use crate::math::simd::{Kernel, MAX_WIDTH, Mask, Simd8, SimdWide, each_lane};
 use crate::trace::{Tracer, power_heuristic};
 
 /// Adds the light that the first `count` paths have hit, at their last event.
@@ -79,7 +79,7 @@ impl Tracer {
         let &Arrival { at, event, .. } = arrival;
         let lanes = emits.bits();
         if event > 0 {
-            let (mut other, mut cosine) = ([0.0; 16], [0.0; 16]);
+            let (mut other, mut cosine) = ([0.0; MAX_WIDTH], [0.0; MAX_WIDTH]);
             cos.store(&mut cosine);
             for lane in each_lane(lanes) {
                 let from = batch.paths.from.get(at + lane, &self.lights, event - 1);
@@ -132,7 +132,7 @@ impl PathBatch {
     /// Keeps light that was hit from reuse vertices, with the density that light sampling has for it.
     #[inline(always)]
     fn keep_emitted<P: SimdWide>(&mut self, at: usize, lanes: u32, light: Rgb<P>, pdf: P) {
-        let (channels, mut pdfs) = (store(light), [0.0; 16]);
+        let (channels, mut pdfs) = (store(light), [0.0; MAX_WIDTH]);
         pdf.store(&mut pdfs);
         for lane in each_lane(lanes) {
             let slot = self.paths.slot.0[at + lane] as usize;
@@ -143,8 +143,8 @@ impl PathBatch {
 }
 
 #[inline(always)]
-fn store<P: SimdWide>(light: Rgb<P>) -> [[f32; 16]; 3] {
-    let mut channels = [[0.0; 16]; 3];
+fn store<P: SimdWide>(light: Rgb<P>) -> [[f32; MAX_WIDTH]; 3] {
+    let mut channels = [[0.0; MAX_WIDTH]; 3];
     light.r.store(&mut channels[0]);
     light.g.store(&mut channels[1]);
     light.b.store(&mut channels[2]);

@@ -18,7 +18,7 @@ use crate::geometry::accel::shaft::{Rays, Shaft};
 use crate::geometry::accel::single_ray::hit_analytic;
 use crate::geometry::{Geometry, Kind};
 use crate::math::V3;
-use crate::math::simd::{Bits, Mask, Simd8, SimdWide};
+use crate::math::simd::{Bits, MAX_WIDTH, Mask, Simd8, SimdWide};
 use quick_test::{QuickTest, Segment};
 
 /// Most shapes: of more than these each ray of a register is tried against too many that it misses.
@@ -244,7 +244,7 @@ impl AnalyticShapes {
         let mut unsure = (may & !certainly & live).bits();
         let mut found = 0;
         if unsure != 0 {
-            let (rays, mut t_max) = (Rays::new(segment.o, segment.d), [0.0; 16]);
+            let (rays, mut t_max) = (Rays::new(segment.o, segment.d), [0.0; MAX_WIDTH]);
             segment.t_max.store(&mut t_max);
             while unsure != 0 {
                 let lane = unsure.trailing_zeros() as usize;

@@ -6,7 +6,7 @@ use super::super::vertex::is_black;
 use super::{LARGEST, PrimaryVertices, ReuseVertices, Runs};
 use crate::brdf::{Brdf, BrdfParams, Microfacet};
 use crate::geometry::bent;
-use crate::math::simd::{Kernel, Mask, Simd8, SimdWide};
+use crate::math::simd::{Kernel, MAX_WIDTH, Mask, Simd8, SimdWide};
 use crate::math::special::INV_PI;
 use crate::math::{Frame, Rgb, V3};
 use crate::trace::Tracer;
@@ -34,7 +34,7 @@ impl<M: Microfacet> Kernel for GatherLight<'_, M> {
             run.reach(reuse.slot.0[first as usize] as usize);
             viewers.clear();
             // As many as can be summed up in the same order by any width.
-            let places = run.base..run.base + run.len().next_multiple_of(16);
+            let places = run.base..run.base + run.len().next_multiple_of(MAX_WIDTH);
             for at in places.step_by(P::WIDTH) {
                 viewers.push(Viewers::load::<M>(primary, materials, at));
             }
@@ -68,7 +68,7 @@ impl<M: Microfacet> Kernel for GatherLight<'_, M> {
                 if diffuse {
                     sum *= viewers.brdf.params().kd;
                 }
-                let mut sums = [[0.0; 16]; 3];
+                let mut sums = [[0.0; MAX_WIDTH]; 3];
                 for (x, column) in [sum.r, sum.g, sum.b].into_iter().zip(&mut sums) {
                     x.store(column);
                 }
@@ -528,12 +528,12 @@ impl PairTerms {
     }
 }
 
-/// The sum of the first `count` numbers, a multiple of 16, in an order that does not depend on the
+/// The sum of the first `count` numbers, a multiple of [`MAX_WIDTH`], in an order that does not depend on the
 /// registers' width.
 #[inline(always)]
 fn sum(row: &PairRow, count: usize) -> f32 {
-    let mut sums = [0.0; 16];
-    for part in row[..count].chunks_exact(16) {
+    let mut sums = [0.0; MAX_WIDTH];
+    for part in row[..count].chunks_exact(MAX_WIDTH) {
         for (sum, x) in sums.iter_mut().zip(part) {
             *sum += x;
         }

@@ -40,7 +40,7 @@ pub(super) use gather::GatherLight;
 pub(super) use visibility::FindVisibility;
 
 use crate::geometry::SurfacePoint;
-use crate::math::simd::{Bits, Mask, SimdWide};
+use crate::math::simd::{Bits, MAX_WIDTH, Mask, SimdWide};
 use crate::math::soa::{Soa, Soa3};
 use crate::math::special::INV_PI;
 use crate::math::{Rgb, V3};
@@ -175,7 +175,7 @@ impl PrimaryVertices {
                 places.put(&mut self.point.ns, point.ns);
                 places.put(&mut self.wo, wo);
                 places.put(&mut self.throughput, throughput);
-                let mut words = [[0; 16]; 3];
+                let mut words = [[0; MAX_WIDTH]; 3];
                 P::store_bits(material, &mut words[0]);
                 P::store_bits(surface_id, &mut words[1]);
                 P::store_bits(lead, &mut words[2]);
@@ -208,7 +208,7 @@ impl PrimaryVertices {
         };
         let places = ScatterPlaces::new::<P>(slots, there);
         places.put(&mut self.beta, beta);
-        let (mut pdfs, mut shares) = ([0.0; 16], [0.0; 16]);
+        let (mut pdfs, mut shares) = ([0.0; MAX_WIDTH], [0.0; MAX_WIDTH]);
         pdf.store(&mut pdfs);
         share.store(&mut shares);
         for (lane, slot) in places.each() {
@@ -220,27 +220,27 @@ impl PrimaryVertices {
 
 /// Where some lanes belong.
 struct ScatterPlaces {
-    slots: [u32; 16],
+    slots: [u32; MAX_WIDTH],
     lanes: u32,
 }
 
 impl ScatterPlaces {
     #[inline(always)]
     fn new<P: SimdWide>(slots: P::Bits, which: P::Mask) -> ScatterPlaces {
-        let mut places = ScatterPlaces { slots: [0; 16], lanes: which.bits() };
+        let mut places = ScatterPlaces { slots: [0; MAX_WIDTH], lanes: which.bits() };
         P::store_bits(slots, &mut places.slots);
         places
     }
 
     #[inline(always)]
     fn each(&self) -> impl Iterator<Item = (usize, usize)> + use<'_> {
-        let lanes = (0..16).filter(|lane| self.lanes >> lane & 1 != 0);
+        let lanes = (0..MAX_WIDTH).filter(|lane| self.lanes >> lane & 1 != 0);
         lanes.map(|lane| (lane, self.slots[lane] as usize))
     }
 
     #[inline(always)]
     fn put<P: SimdWide>(&self, column: &mut Soa3, v: V3<P>) {
-        let mut numbers = [[0.0; 16]; 3];
+        let mut numbers = [[0.0; MAX_WIDTH]; 3];
         v.x.store(&mut numbers[0]);
         v.y.store(&mut numbers[1]);
         v.z.store(&mut numbers[2]);
