@@ -1,6 +1,7 @@
 //! From the builder's binary tree to one of eight children a node.
 
-use super::build::{Bvh, primitive_bounds};
+use super::bounds::primitive_bounds;
+use super::bvh::Bvh;
 use super::node::{ANALYTIC, Node, PACK};
 use super::treelet::{self, BinaryNode, Content, Item};
 use crate::geometry::huge_pages::HugePages;

@@ -4,27 +4,34 @@
 //! holds; all else is in a tree of eight children a node.
 
 mod analytic;
+mod bounds;
 mod build;
+mod bvh;
 mod clustering;
 mod clusters;
 mod collapse;
+mod in_flight;
+mod leaf;
 mod node;
 mod packet;
 mod quads;
+mod ray;
 mod ray_stream;
 mod shaft;
+mod shaft_leaves;
 mod single_ray;
 mod slabs;
+mod stack;
 mod top_boxes;
 mod treelet;
 mod visible;
 
-pub use build::Bvh;
-pub(super) use build::primitive_bounds;
+pub(super) use bounds::primitive_bounds;
+pub use bvh::Bvh;
 pub(super) use node::{Child, Node, child};
 pub(crate) use packet::{HitSoa, RaySoa, SegmentSoa};
-pub use ray_stream::Query;
-pub use single_ray::{Ray, Stack};
+pub use ray::{Query, Ray};
+pub use stack::Stack;
 pub(crate) use visible::PointSoa;
 
 use crate::math::simd::{Bits, SimdWide};

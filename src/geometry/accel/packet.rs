@@ -3,10 +3,10 @@
 //! by those rays that the others have left undecided.
 
 use super::NO_SURFACE;
-use super::build::Bvh;
+use super::bvh::Bvh;
 use super::quads::{NO_QUAD, QuadHits};
-use super::ray_stream::Query;
-use super::single_ray::{Ray, Stack};
+use super::ray::{Query, Ray};
+use super::stack::Stack;
 use crate::geometry::aabb::PacketSlabs;
 use crate::geometry::triangle::resolve;
 use crate::geometry::{Geometry, Hit};
@@ -293,36 +293,3 @@ impl HitSoa {
 
 /// No analytic shape: after all primitives.
 const NO_SHAPE: u32 = u32::MAX;
-
-/// Rays that the tree is asked about, those of a batch together, and its answers.
-#[derive(Clone, Debug, Default)]
-pub(super) struct TreeRays {
-    /// Places in the batch.
-    at: Vec<u32>,
-    queries: Vec<Query>,
-    /// A hit nearer than this lies before all large quads.
-    clear: Vec<f32>,
-    /// The nearest analytic shape.
-    analytic: Vec<Option<Hit>>,
-    hits: Vec<Option<Hit>>,
-    occluded: Vec<bool>,
-}
-
-impl TreeRays {
-    fn clear(&mut self) {
-        self.at.clear();
-        self.queries.clear();
-        self.clear.clear();
-        self.analytic.clear();
-    }
-    #[inline(always)]
-    fn push(&mut self, at: usize, query: Query, clear: f32, nearest_shape: Option<Hit>) {
-        self.analytic.push(nearest_shape);
-        self.at.push(at as u32);
-        self.queries.push(query);
-        self.clear.push(clear);
-    }
-    fn rays(&self) -> impl Iterator<Item = (usize, &Query)> {
-        self.at.iter().map(|&at| at as usize).zip(&self.queries)
-    }
-}

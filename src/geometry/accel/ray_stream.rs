@@ -6,70 +6,20 @@
 //! tested, memory fetches what the others need. Which list a ray goes to next is arithmetic, not a
 //! branch. The tests are those of a single ray, so the hits are the same bits.
 
-use super::build::Bvh;
+use super::bvh::Bvh;
+use super::in_flight::{GROUP, InFlightRay, NOTHING, Streams};
+use super::leaf::{hit_analytic, take_nearer, take_nearest};
 use super::node::{ANALYTIC, END, PACK};
-use super::single_ray::{Stack, hit_analytic, is_traceable, take_nearer, take_nearest};
+use super::ray::{Query, is_traceable};
 use super::slabs::Slabs;
+use super::stack::Stack;
 use crate::geometry::triangle::{self, ShearedRay};
 use crate::geometry::{Geometry, Hit, Ray};
-use crate::math::simd::{Bits, Kernel, Mask, Simd8, SimdWide, dispatch};
+use crate::math::simd::{Kernel, Simd8, SimdWide, dispatch};
 use std::marker::PhantomData;
 
-/// A ray and how far it goes.
-#[derive(Clone, Copy, Debug)]
-pub struct Query {
-    /// The ray.
-    pub ray: Ray,
-    /// Largest distance of a hit, in units of the ray's direction.
-    pub t_max: f32,
-}
-
-/// Rays of a group; there are two, and while one is tested, memory fetches what the other needs.
-const GROUP: usize = 16;
-/// No hit.
-const NOTHING: u32 = u32::MAX;
-/// Places of a stack below the first that is used: they say that nothing is left.
-const FLOOR: usize = 8;
 /// There is a hit, no matter where; nothing lies this side of it.
 const FOUND: Hit = Hit { t: f32::NEG_INFINITY, primitive: 0, b: [0.0; 2] };
-
-/// A ray on its way.
-#[derive(Clone, Copy, Debug, Default)]
-struct InFlightRay {
-    slabs: Slabs,
-    sheared: ShearedRay,
-    best: Hit,
-    /// Which query it is.
-    query: u32,
-    /// What it stands before.
-    word: u32,
-    /// The lowest place of its stack.
-    floor: usize,
-    /// Behind the highest one that is taken.
-    top: usize,
-}
-
-/// Memory for rays on their way.
-#[derive(Clone, Debug)]
-pub(super) struct Streams {
-    flights: Box<[InFlightRay; 2 * GROUP]>,
-    /// Entry distances, with the last four bits of no meaning.
-    enter: Box<[f32]>,
-    words: Box<[u32]>,
-}
-
-impl Streams {
-    pub(super) fn new(depth: usize) -> Streams {
-        // The floor, what each level leaves behind, and eight places that may be written beyond.
-        let room = (FLOOR + 7 * depth + 1 + 8).next_multiple_of(8);
-        let flight = |who| InFlightRay { floor: who * room + FLOOR, ..InFlightRay::default() };
-        Streams {
-            flights: Box::new(std::array::from_fn(flight)),
-            enter: vec![f32::NEG_INFINITY; 2 * GROUP * room].into(),
-            words: vec![END; 2 * GROUP * room].into(),
-        }
-    }
-}
 
 /// Rays of a group by what they stand before.
 #[derive(Clone, Copy, Default)]
@@ -423,37 +373,5 @@ impl<G: Goal> QuerySource<'_, G> {
             return true;
         }
         false
-    }
-}
-
-impl InFlightRay {
-    /// Goes on to what was put aside last, or to the end if anything was hit.
-    #[inline(always)]
-    fn pop_any(&mut self, words: &[u32]) {
-        let found = self.best.primitive != NOTHING;
-        let last = if found { self.floor } else { self.top }.saturating_sub(1);
-        self.word = words[last];
-        self.top = last.max(self.floor);
-    }
-
-    /// Goes on to what was put aside last and does not lie beyond the best hit by now.
-    #[inline(always)]
-    fn pop<W: Simd8>(&mut self, distances: &[f32], words: &[u32]) {
-        // Down to the floor, which lies beyond no hit.
-        while let Some((low, Some(last))) = self
-            .top
-            .checked_sub(8)
-            .map(|low| (low, distances.get(low..).and_then(|above| above.first_chunk())))
-        {
-            let known = W::from_bits(W::load(last).to_bits() & W::Bits::splat(!15));
-            let mask = known.le(W::splat(self.best.t)).bits();
-            if mask != 0 {
-                let place = low + mask.ilog2() as usize;
-                self.word = words[place];
-                self.top = place.max(self.floor);
-                return;
-            }
-            self.top = low;
-        }
     }
 }

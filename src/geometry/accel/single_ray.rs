@@ -1,56 +1,17 @@
 //! One ray through the tree: the nearest hit, or whether there is any.
 
-use super::build::Bvh;
+use super::bvh::Bvh;
+use super::leaf::{hit_analytic, take_nearer, take_nearest};
 use super::node::{Child, child};
-use super::packet::TreeRays;
-use super::ray_stream::Streams;
-use super::shaft::Shaft;
+use super::ray::{Ray, is_traceable};
 use super::slabs::Slabs;
-use super::visible::PairRays;
-use crate::geometry::aabb::PacketSlabs;
-use crate::geometry::triangle::{self, ShearedRay, TrianglePack8};
-use crate::geometry::{Geometry, Hit, Kind};
+use super::stack::Stack;
+use crate::geometry::triangle::{self, ShearedRay};
+use crate::geometry::{Geometry, Hit};
+use crate::math::Mask;
 use crate::math::simd::{Kernel, Simd8, SimdWide, dispatch};
-use crate::math::{Mask, V3};
-
-/// A ray `o + t d`; `d` need not be unit.
-#[derive(Clone, Copy, Debug)]
-pub struct Ray {
-    /// Origin.
-    pub o: V3,
-    /// Direction.
-    pub d: V3,
-}
-
-impl Ray {
-    /// The point at distance `t`.
-    #[inline(always)]
-    pub fn at(&self, t: f32) -> V3 {
-        self.o + self.d * t
-    }
-}
-
-/// Memory for traversal. Made once a worker by [`Bvh::stack`] and used for all its rays.
-#[derive(Clone, Debug)]
-pub struct Stack {
-    /// Subtrees of a single ray that are still to be visited.
-    pub(super) subtrees: Box<[(f32, u32)]>,
-    pub(super) streams: Streams,
-    pub(super) tree_rays: TreeRays,
-    pub(super) pair_rays: PairRays,
-}
 
 impl Bvh {
-    /// A stack deep enough for this tree.
-    pub fn stack(&self) -> Stack {
-        Stack {
-            subtrees: vec![(0.0, 0); 7 * self.depth() + 9].into(),
-            streams: Streams::new(self.depth()),
-            tree_rays: TreeRays::default(),
-            pair_rays: PairRays::default(),
-        }
-    }
-
     /// The nearest hit at `0 < t <= t_max`; of equally near ones the lowest primitive. A ray with
     /// a NaN, or without a direction, hits nothing.
     pub fn closest(
@@ -83,12 +44,6 @@ impl Bvh {
         }
         dispatch(self.isa, Occluded(self, geometry, ray, t_max, stack))
     }
-}
-
-pub(super) fn is_traceable(ray: &Ray) -> bool {
-    let fastest = ray.d.abs().max_component();
-    let finite = |v: V3| v.x.is_finite() && v.y.is_finite() && v.z.is_finite();
-    finite(ray.o) && finite(ray.d) && fastest > 1e-18 && fastest < 1e18
 }
 
 impl Bvh {
@@ -219,38 +174,6 @@ impl Bvh {
     }
 }
 
-#[inline(always)]
-pub(super) fn take_nearest<W: Simd8>(best: &mut Hit, pack: &TrianglePack8, ray: &ShearedRay) {
-    let Some(hits) = triangle::intersect::<W>(pack, ray, best.t) else { return };
-    let (mut mask, t, b) = (hits.mask, hits.t.store(), hits.b.map(W::store));
-    while mask != 0 {
-        let i = mask.trailing_zeros() as usize;
-        mask &= mask - 1;
-        take_nearer(best, t[i], pack.id[i], [b[0][i], b[1][i]]);
-    }
-}
-
-#[inline(always)]
-pub(super) fn take_nearer(best: &mut Hit, t: f32, primitive: u32, b: [f32; 2]) {
-    if t < best.t || (t == best.t && primitive < best.primitive) {
-        *best = Hit { t, primitive, b };
-    }
-}
-
-#[inline(always)]
-pub(super) fn hit_analytic(
-    geometry: &Geometry,
-    primitive: u32,
-    ray: &Ray,
-    t_max: f32,
-) -> Option<f32> {
-    match geometry.kind(primitive) {
-        Kind::Sphere(i) => geometry.spheres[i].intersect(ray.o, ray.d, t_max),
-        Kind::Cylinder(i) => geometry.cylinders[i].intersect(ray.o, ray.d, t_max),
-        Kind::Triangle(_) => None,
-    }
-}
-
 impl Bvh {
     /// [`Bvh::occluded`] for callers that run under an instruction set already.
     #[inline(always)]
@@ -326,11 +249,6 @@ impl Bvh {
 }
 
 impl Bvh {
-    /// Whether there is anything but large quads.
-    pub(super) fn has_others(&self) -> bool {
-        self.root.is_some() || !self.analytic.is_empty()
-    }
-
     /// The distance at which a ray hits a sphere or cylinder, in (0, t_max].
     #[inline(always)]
     pub(super) fn hit_analytic(
@@ -341,32 +259,5 @@ impl Bvh {
         t_max: f32,
     ) -> Option<f32> {
         if is_traceable(ray) { hit_analytic(geometry, primitive, ray, t_max) } else { None }
-    }
-
-    /// Which of the rays may hit what is in the tree before `t_max`.
-    #[inline(always)]
-    pub(super) fn may_hit_tree<P: SimdWide>(&self, rays: &PacketSlabs<P>, t_max: P) -> P::Mask {
-        if self.root.is_none() {
-            return P::mask(0);
-        }
-        let all = rays.may_hit(&self.aabb, t_max);
-        if all.any() { all & self.top_boxes.may_hit(rays, t_max) } else { all }
-    }
-
-    /// Which parts of the tree may reach into a shaft.
-    #[inline(always)]
-    pub(super) fn top_boxes_within<W: Simd8>(&self, shaft: &Shaft) -> u64 {
-        self.top_boxes.within::<W>(shaft)
-    }
-
-    /// Which of the rays may hit these parts of the tree before `t_max`.
-    #[inline(always)]
-    pub(super) fn may_hit_top_boxes<P: SimdWide>(
-        &self,
-        which: u64,
-        rays: &PacketSlabs<P>,
-        t_max: P,
-    ) -> P::Mask {
-        self.top_boxes.may_hit_some(which, rays, t_max)
     }
 }

@@ -1,7 +1,7 @@
 //! One ray against the boxes of a node.
 
 use super::node::Node;
-use super::single_ray::Ray;
+use super::ray::Ray;
 use crate::geometry::aabb::box_margin;
 use crate::math::simd::Simd8;
 

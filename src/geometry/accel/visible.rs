@@ -2,10 +2,10 @@
 //! lies between is looked up once for all of the group.
 
 use super::NO_SURFACE;
-use super::build::Bvh;
-use super::ray_stream::Query;
-use super::shaft::{Rays, Shaft, ShaftLeaves};
-use super::single_ray::Stack;
+use super::bvh::Bvh;
+use super::ray::Query;
+use super::shaft::{Rays, Shaft};
+use super::stack::{PairRays, Stack};
 use crate::geometry::aabb::PacketSlabs;
 use crate::geometry::{Geometry, offset_origin};
 use crate::math::V3;
@@ -42,19 +42,6 @@ pub(crate) struct VisibilityCounts {
     pub(crate) pair_rays: u64,
     /// The ones that went through it because the quick tests could not tell.
     pub(crate) tree_rays: u64,
-}
-
-/// Rays that the tree is to be asked about, and memory that is used again.
-#[derive(Clone, Debug, Default)]
-pub(super) struct PairRays {
-    /// Number of the other point, and place in the group.
-    pairs: Vec<(u32, u32)>,
-    queries: Vec<Query>,
-    occluded: Vec<bool>,
-    /// Around the points of the group, a register's worth each.
-    boxes: Vec<[V3; 2]>,
-    /// What lies between those and the other point.
-    leaves: ShaftLeaves,
 }
 
 /// A point that those of the group may see, and what may be in the way.

@@ -10,12 +10,12 @@ mod quick_test;
 mod tests;
 
 use crate::geometry::aabb::{Aabb, PacketSlabs};
-use crate::geometry::accel::build::primitive_bounds;
+use crate::geometry::accel::bounds::primitive_bounds;
 use crate::geometry::accel::clusters::{self, Cluster};
+use crate::geometry::accel::leaf::hit_analytic;
 use crate::geometry::accel::node::Node;
 use crate::geometry::accel::quads::MAX_QUADS;
 use crate::geometry::accel::shaft::{Rays, Shaft};
-use crate::geometry::accel::single_ray::hit_analytic;
 use crate::geometry::{Geometry, Kind};
 use crate::math::V3;
 use crate::math::simd::{Bits, MAX_WIDTH, Mask, Simd8, SimdWide};
