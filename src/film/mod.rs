@@ -24,7 +24,7 @@ use crate::math::sobol::REPLICATES;
 use sums::Sums;
 
 /// Side in pixels of the cells of a film, each of which has numbers of samples of its own.
-pub const CELL: usize = 16;
+pub const CELL: usize = 8;
 
 /// The sums of a rectangle of pixels.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -192,9 +192,12 @@ impl Film {
             + notes
     }
 
-    fn cell_of(&self, pixel: usize) -> usize {
-        let (x, y) = (pixel % self.width, pixel / self.width);
-        y / CELL * self.width.div_ceil(CELL) + x / CELL
+    /// The pixels of a cell.
+    fn pixels_of(&self, cell: usize) -> impl Iterator<Item = usize> + use<> {
+        let (width, across) = (self.width, self.width.div_ceil(CELL));
+        let (x, y) = (cell % across * CELL, cell / across * CELL);
+        let rows = y..(y + CELL).min(self.sums.len().div_ceil(width));
+        rows.flat_map(move |y| y * width + x..y * width + (x + CELL).min(width))
     }
 
     /// Half of the squared relative difference of the means of two replicates, summed over the channels,
@@ -207,10 +210,8 @@ impl Film {
         let mean = |sums: &[[f64; 3]; REPLICATES], r: usize, c: usize| {
             sums[r][c] / counts[r].max(1) as f64
         };
-        let pixels: Vec<[[f64; 3]; REPLICATES]> = (0..self.sums.len())
-            .filter(|&pixel| self.cell_of(pixel) == cell)
-            .map(|pixel| self.sums.radiance(pixel))
-            .collect();
+        let pixels: Vec<[[f64; 3]; REPLICATES]> =
+            self.pixels_of(cell).map(|pixel| self.sums.radiance(pixel)).collect();
         let mut light = [0.0; 3];
         for sums in &pixels {
             for (c, light) in light.iter_mut().enumerate() {

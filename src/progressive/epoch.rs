@@ -3,14 +3,11 @@
 use super::plan::{self, Plan};
 use super::sample_buffer::SampleBuffer;
 use super::turn::Turn;
+use super::uneven::PairQueue;
 use super::{Counts, Params, Snapshot, State, TileGrid, TileImage, choose_group};
 use crate::film::{ErrorSums, Film};
 use crate::math::Rgb;
-use crate::math::sobol::REPLICATES;
-use crate::trace::{
-    BatchOptions, PixelBatch, PixelGrouping, ReuseGroup, Scratch, Tracer, group_cell,
-};
-use std::mem::take;
+use crate::trace::{BatchOptions, PixelBatch, PixelGrouping, ReuseGroup, Scratch, Tracer};
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -43,6 +40,14 @@ pub(super) struct Own {
     pub(super) scratch: Scratch,
     /// The pixels that it traces.
     pub(super) batch: PixelBatch,
+    pub(super) pairs: PairQueue,
+}
+
+impl Own {
+    fn new(tracer: &Tracer) -> Own {
+        let (batch, pairs) = (PixelBatch::default(), PairQueue::default());
+        Own { scratch: tracer.scratch(), batch, pairs }
+    }
 }
 
 /// What there is to see of a tile.
@@ -65,8 +70,7 @@ impl Epoch {
         let tracer = params.tracer();
         let mut shown = Vec::new();
         shown.resize_with(grid.len(), Mutex::default);
-        let own = || Own { scratch: tracer.scratch(), batch: PixelBatch::default() };
-        let own = (0..threads.max(1)).map(|_| Mutex::new(own())).collect();
+        let own = (0..threads.max(1)).map(|_| Mutex::new(Own::new(&tracer))).collect();
         let group =
             choose_group::without(&params, &tracer).map_or_else(OnceLock::new, OnceLock::from);
         Epoch {
@@ -93,8 +97,7 @@ impl Epoch {
     /// Makes it ready for a turn by `workers` workers; all of it is new to whoever looks.
     pub(super) fn wake(&mut self, turn: Turn, threads: usize) {
         self.turn = turn;
-        let own = || Own { scratch: self.tracer.scratch(), batch: PixelBatch::default() };
-        self.own = (0..threads.max(1)).map(|_| Mutex::new(own())).collect();
+        self.own = (0..threads.max(1)).map(|_| Mutex::new(Own::new(&self.tracer))).collect();
         for shown in &mut self.shown {
             let shown = shown.get_mut().unwrap_or_else(PoisonError::into_inner);
             shown.dirty = shown.image.is_some();
@@ -119,7 +122,7 @@ impl Epoch {
         own: &mut Own,
         put: &mut dyn FnMut([u32; 2], Rgb),
     ) {
-        let Own { scratch, batch } = own;
+        let Own { scratch, batch, .. } = own;
         grouping.batch(at, batch);
         self.tracer.sample_batch(batch, round, scratch, put);
     }
@@ -145,63 +148,6 @@ impl Epoch {
                 made
             }
         }
-    }
-
-    /// Traces what a tile is to get in its next pass, and adds it. Returns the number of samples, and
-    /// whether the pass is whole: not if half-way the picture was not `wanted` for now, for a noisy
-    /// tile has many batches. The next call then goes on with what is left.
-    pub(super) fn uneven_pass(
-        &self,
-        index: usize,
-        film: &mut Film,
-        plan: &Plan,
-        group: ReuseGroup,
-        Own { scratch, batch }: &mut Own,
-        wanted: &dyn Fn() -> bool,
-    ) -> (u64, bool) {
-        let (rect, pass) = (self.grid.rect(index), film.begin_pass());
-        let (mut paths, mut nonfinite) = (0, 0);
-        let mut whole = true;
-        'cells: for cell in 0..film.cells() {
-            let (half, pairs) = plan.pairs(index, cell, pass);
-            let area = plan::cell_rect(self.grid, index, cell);
-            // Pairs are numbered throughout: those counted already are of a call before.
-            let counted = film.counts(cell)[2 * half];
-            for pair in pairs.start.max(counted)..pairs.end {
-                if !wanted() {
-                    whole = false;
-                    break 'cells;
-                }
-                batch.clear();
-                for replicate in [2 * half, 2 * half + 1] {
-                    let own_pass = REPLICATES as u64 * pair + replicate as u64;
-                    group_cell(area.clone(), self.params.seed, own_pass, group, batch);
-                }
-                // The first half of the pixels is of the first replicate.
-                let (mut number, each) = (0, batch.pixels.len() / 2);
-                let put = &mut |[x, y]: [u32; 2], sample: Rgb| {
-                    let replicate = 2 * half + usize::from(number >= each);
-                    number += 1;
-                    let pixel = (y - rect.y0) as usize * rect.width() + (x - rect.x0) as usize;
-                    match sample.is_finite() {
-                        true => film.add_to(pixel, replicate, sample),
-                        false => nonfinite += 1,
-                    }
-                };
-                self.tracer.sample_batch(batch, BatchOptions::of(0), scratch, put);
-                paths += batch.pixels.len() as u64;
-                (0..2).for_each(|which| film.count_samples(cell, 2 * half + which));
-                if plan::is_noted(pair + 1) {
-                    film.note_spread(cell, half);
-                }
-            }
-        }
-        if whole {
-            film.end_uneven_pass();
-        }
-        let (rays, capped) = (take(&mut scratch.rays), take(&mut scratch.capped));
-        self.count(Counts { paths, rays, nonfinite, capped });
-        (paths, whole)
     }
 
     /// Adds the samples of those of the canvas's passes that a tile's film does not have: after an

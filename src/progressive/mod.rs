@@ -20,6 +20,7 @@ mod sheet;
 mod snapshot;
 mod stop;
 mod turn;
+mod uneven;
 mod work;
 
 pub use crate::film::{ErrorEstimate, Figure, Interval};

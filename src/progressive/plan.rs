@@ -27,10 +27,10 @@ pub(super) const UNIFORM: u64 = 16;
 const GROWTH: u64 = 4;
 /// Fewest and most samples that a cell gets a pass: by the first plan, and by those after it. With the
 /// fewest it has, at the end of each plan, at least the samples by which the next one is made.
-const FIRST_RATES: [f64; 2] = [0.125, 16.0];
+const FIRST_RATES: [f64; 2] = [1.0 / 12.0, 16.0];
 const RATES: [f64; 2] = [0.25, 16.0];
 /// What a cell's variance counts for against the mean of those that touch it.
-const OWN: f64 = 0.5;
+const OWN: f64 = 0.7;
 
 /// What is planned between two numbers of passes.
 #[derive(Debug)]
@@ -337,12 +337,12 @@ mod tests {
     fn no_bias_comes_of_choosing_numbers_by_samples() {
         const RUNS: usize = 40_000;
         const RARE: f64 = 0.03;
-        let grid = TileGrid { size: [32, 1] };
+        let grid = TileGrid { size: [2 * CELL as u32, 1] };
         let mut numbers = Numbers(21);
         let (mut means, mut pooled, mut estimated) = (Vec::new(), Vec::new(), 0.0);
         for _ in 0..RUNS {
             let mut films = [Film::default()];
-            films[0].clear(32, 32);
+            films[0].clear(2 * CELL, 2 * CELL);
             // All pixels of a cell alike, so that one picture has one number.
             let mut draw = |cell: usize| {
                 let bright = cell == 0 && numbers.next() < RARE;
@@ -353,7 +353,7 @@ mod tests {
                 for (cell, sum) in sums.iter_mut().enumerate() {
                     let sample = draw(cell);
                     *sum += f64::from(sample.r);
-                    (0..16).for_each(|x| films[0].add(16 * cell + x, sample));
+                    (0..CELL).for_each(|x| films[0].add(CELL * cell + x, sample));
                 }
                 films[0].end_pass();
             }
@@ -369,14 +369,15 @@ mod tests {
                         for replicate in [2 * half, 2 * half + 1] {
                             let sample = draw(cell);
                             *sum += f64::from(sample.r);
-                            (0..16).for_each(|x| films[0].add_to(16 * cell + x, replicate, sample));
+                            (0..CELL)
+                                .for_each(|x| films[0].add_to(CELL * cell + x, replicate, sample));
                             films[0].count_samples(cell, replicate);
                         }
                     }
                 }
                 films[0].end_uneven_pass();
             }
-            let found = films[0].estimate(32);
+            let found = films[0].estimate(2 * CELL);
             means.push(f64::from(found.mean[0][0]));
             // Away from the other cell nothing else is pooled into it.
             estimated += f64::from(found.standard_error[0][0]).powi(2) / RUNS as f64;

@@ -4,7 +4,7 @@
 //! An experiment in a file is an OpenEXR picture that any program shows: its mean is the first part, with
 //! the recipe as an attribute. Beside it are a part `sums` with the sums of each pixel by
 //! replicate and channel, 96 bytes a pixel before packing, and a part `cells` with
-//! the numbers of samples by cell of 16 x 16 pixels and what they were chosen by. Sums are whole
+//! the numbers of samples by cell of 8 x 8 pixels and what they were chosen by. Sums are whole
 //! numbers, of 64 bits and more, each in several channels of 32 bits, the lowest first.
 //!
 //! Equal samples make equal files, whoever traced them in what order: a picture that was killed and

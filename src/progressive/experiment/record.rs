@@ -36,5 +36,5 @@ pub(super) struct Record {
 }
 
 impl Record {
-    pub(super) const VERSION: u32 = 1;
+    pub(super) const VERSION: u32 = 2;
 }

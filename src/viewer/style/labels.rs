@@ -149,7 +149,7 @@ pub(crate) const LAYER_NOISE: Control = control(
 pub(crate) const LAYER_SAMPLES: Control = control(
     "Samples",
     "How many samples each pixel has, in false colour: after 16 passes more where it is noisier, by \
-     cells of 16 x 16 pixels.",
+     cells of 8 x 8 pixels.",
 );
 pub(crate) const LAYER_NONE: &str =
     "No maps while a difference is shown: it has colours of its own.";
