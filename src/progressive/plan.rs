@@ -30,7 +30,7 @@ const GROWTH: u64 = 4;
 const FIRST_RATES: [f64; 2] = [1.0 / 12.0, 16.0];
 const RATES: [f64; 2] = [0.25, 16.0];
 /// What a cell's variance counts for against the mean of those that touch it.
-const OWN: f64 = 0.7;
+const OWN: f64 = 0.9;
 
 /// What is planned between two numbers of passes.
 #[derive(Debug)]

@@ -179,7 +179,7 @@ mod tests {
     /// Two models by two roughnesses of the default scene, small.
     fn sheet() -> Sheet {
         let scene = Arc::new(default_scene().unwrap().0.build());
-        let mut sheet = Sheet::new(Params { size: [24, 18], seed: 3, ..Params::new(scene) });
+        let mut sheet = Sheet::new(Params { size: [32, 24], seed: 3, ..Params::new(scene) });
         sheet.models = vec![Model::Phong, Model::Ggx];
         sheet.roughnesses =
             [0.1, 0.5].into_iter().filter_map(|a| Roughness::from_alpha(a).ok()).collect();
