@@ -55,7 +55,7 @@ pub(super) struct MaterialTable(GatherTable<MaterialRecord, { MaterialRecord::NU
 
 /// A specular lobe alone that is sharper than this is a mirror: what one path sees in it is of no use
 /// to its neighbours.
-const MIRROR_ALPHA: f32 = 0.05;
+const MIRROR_ALPHA: f32 = 0.06;
 
 /// A specular lobe is weak if its reflectance at normal incidence is at most this part of all, and it
 /// is at least this rough: then what it adds varies so little that one path's share of it is as good
