@@ -20,7 +20,8 @@ use crate::trace::{RayCounts, Stage, Tracer, Watch};
 use std::mem::{swap, take};
 
 /// Number of rays, the path's own among them: a power of 2, so that as many equal parts are the
-/// whole to the last digit.
+/// whole to the last digit. Eight were 1.05 times as efficient in the plates and 0.92 times in scenes
+/// with more to see than emitters.
 const SPLIT: usize = 4;
 /// How many of them are split rays.
 const EXTRA: usize = SPLIT - 1;

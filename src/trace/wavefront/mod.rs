@@ -99,6 +99,7 @@ impl BatchOptions<'_> {
 }
 
 /// Light samples at the primary vertex of a path whose reuse vertex is shared; there is room for four.
+/// With three the built-in scene was 1.05 times as efficient, the plates 0.92 times and the rest within 2 %.
 const LIGHT_SAMPLES: u32 = 4;
 
 impl Tracer {
