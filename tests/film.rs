@@ -2,7 +2,7 @@
 
 mod support;
 
-use burnish::film::Film;
+use burnish::film::{CELL, Film};
 use burnish::math::Rgb;
 use burnish::math::simd::U32;
 use burnish::math::sobol::{REPLICATES, Slot, Stream};
@@ -115,12 +115,13 @@ fn counts_have_64_bits_and_the_sequence_does_not_begin_again() {
 #[test]
 fn uneven_replicates_count_alike() {
     let mut film = Film::default();
-    film.clear(20, 20);
+    let width = CELL + 4;
+    film.clear(width, width);
     // Replicates of the first cell's pixels: 1; 2, 4; 3; 6, 6, 6.
     let samples: [&[f32]; REPLICATES] = [&[1.0], &[2.0, 4.0], &[3.0], &[6.0, 6.0, 6.0]];
     for (replicate, samples) in samples.into_iter().enumerate() {
         for &x in samples {
-            (0..16).for_each(|pixel| film.add_to(pixel, replicate, Rgb::splat(x)));
+            (0..CELL).for_each(|pixel| film.add_to(pixel, replicate, Rgb::splat(x)));
             film.count_samples(0, replicate);
         }
     }
@@ -128,15 +129,15 @@ fn uneven_replicates_count_alike() {
     let samples: [&[f32]; REPLICATES] = [&[1.0, 5.0], &[3.0, 3.0], &[8.0], &[4.0]];
     for (replicate, samples) in samples.into_iter().enumerate() {
         for &x in samples {
-            (16..20).for_each(|pixel| film.add_to(pixel, replicate, Rgb::splat(x)));
+            (CELL..width).for_each(|pixel| film.add_to(pixel, replicate, Rgb::splat(x)));
             film.count_samples(1, replicate);
         }
     }
     (0..REPLICATES).for_each(|_| film.end_uneven_pass());
     assert_eq!((film.cells(), film.samples(0), film.samples(1)), (2, 7, 6));
-    let found = film.estimate(20);
+    let found = film.estimate(width);
     assert_eq!(found.mean[3], [(1.0 + 3.0 + 3.0 + 6.0) / 4.0; 3]);
-    assert_eq!(found.mean[17], [(3.0 + 3.0 + 8.0 + 4.0) / 4.0; 3]);
+    assert_eq!(found.mean[CELL + 1], [(3.0 + 3.0 + 8.0 + 4.0) / 4.0; 3]);
     let squares: f64 = [1.0, 3.0, 3.0, 6.0].iter().map(|m: &f64| (m - 3.25).powi(2)).sum();
     let expected = (squares / 12.0).sqrt();
     assert!((f64::from(found.standard_error[3][0]) - expected).abs() < 1e-6);

@@ -1,13 +1,14 @@
 //! One epoch: what the workers share while the parameters stay the same, and what they show.
 
+use super::pair_queue::PairQueue;
 use super::plan::{self, Plan};
 use super::sample_buffer::SampleBuffer;
 use super::turn::Turn;
-use super::uneven::PairQueue;
 use super::{Counts, Params, Snapshot, State, TileGrid, TileImage, choose_group};
 use crate::film::{ErrorSums, Film};
 use crate::math::Rgb;
 use crate::trace::{BatchOptions, PixelBatch, PixelGrouping, ReuseGroup, Scratch, Tracer};
+use std::mem::take;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -148,6 +149,44 @@ impl Epoch {
                 made
             }
         }
+    }
+
+    /// Traces what a tile is to get in its next pass, and adds it. Returns the number of samples, and
+    /// whether the pass is whole: not if half-way the picture was not `wanted` for now, for a noisy
+    /// tile has many batches. The next call then goes on with what is left.
+    pub(super) fn uneven_pass(
+        &self,
+        index: usize,
+        film: &mut Film,
+        plan: &Plan,
+        group: ReuseGroup,
+        Own { scratch, batch, pairs }: &mut Own,
+        wanted: &dyn Fn() -> bool,
+    ) -> (u64, bool) {
+        let (rect, pass) = (self.grid.rect(index), film.begin_pass());
+        let area = |cell| plan::cell_rect(self.grid, index, cell);
+        let (mut paths, mut nonfinite) = (0, 0);
+        pairs.fill(index, film, plan, pass);
+        let whole = loop {
+            let these = pairs.next(&area, self.params.seed, group, batch);
+            if these.is_empty() {
+                break true;
+            }
+            if !wanted() {
+                break false;
+            }
+            pairs.samples.clear();
+            let put = &mut |_, sample| pairs.samples.push(sample);
+            self.tracer.sample_batch(batch, BatchOptions::of(0), scratch, put);
+            paths += batch.pixels.len() as u64;
+            nonfinite += pairs.add(these, batch, rect, film);
+        };
+        if whole {
+            film.end_uneven_pass();
+        }
+        let (rays, capped) = (take(&mut scratch.rays), take(&mut scratch.capped));
+        self.count(Counts { paths, rays, nonfinite, capped });
+        (paths, whole)
     }
 
     /// Adds the samples of those of the canvas's passes that a tile's film does not have: after an

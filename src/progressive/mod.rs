@@ -8,6 +8,7 @@ mod epoch;
 mod experiment;
 mod first_hits;
 mod mailbox;
+mod pair_queue;
 mod params;
 mod parts;
 mod plan;
@@ -20,7 +21,6 @@ mod sheet;
 mod snapshot;
 mod stop;
 mod turn;
-mod uneven;
 mod work;
 
 pub use crate::film::{ErrorEstimate, Figure, Interval};
