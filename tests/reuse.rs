@@ -3,6 +3,7 @@
 mod support;
 
 use burnish::brdf::Model;
+use burnish::film::CELL;
 use burnish::math::Rgb;
 use burnish::math::simd::Isa;
 use burnish::progressive::{Params, Replay, render};
@@ -242,14 +243,15 @@ fn any_pixel_can_be_replayed() {
 #[test]
 fn a_pixel_of_a_planned_picture_can_be_replayed() {
     let passes = 24;
-    let params = Params { size: [16, 9], seed: 3, ..Params::new(Arc::new(mirrors())) };
+    let [width, height] = [CELL as u32, CELL as u32 - 1];
+    let params = Params { size: [width, height], seed: 3, ..Params::new(Arc::new(mirrors())) };
     for group in
         [None, Some(ReuseGroup::None), Some(ReuseGroup::Sixteen), Some(ReuseGroup::OneTwentyEight)]
     {
         let params = Params { group, ..params.clone() };
         let picture = render(params.clone(), passes, 2).unwrap();
         assert!(picture.samples().iter().all(|&n| n == passes));
-        for pixel in [[0, 0], [7, 5], [15, 8]] {
+        for pixel in [[0, 0], [width - 3, 4], [width - 1, height - 1]] {
             let mut mean = [0.0; 3];
             for pass in 0..passes {
                 let replay = Replay::new(&params, pixel, pass).unwrap();
@@ -257,7 +259,7 @@ fn a_pixel_of_a_planned_picture_can_be_replayed() {
                 let sample = <[f32; 3]>::from(replay.samples[replay.own].whole);
                 mean.iter_mut().zip(sample).for_each(|(m, x)| *m += f64::from(x) / passes as f64);
             }
-            let shown = picture.mean().pixels[(pixel[1] * 16 + pixel[0]) as usize];
+            let shown = picture.mean().pixels[(pixel[1] * width + pixel[0]) as usize];
             for (x, mean) in shown.into_iter().zip(mean) {
                 assert!((f64::from(x) - mean).abs() <= 1e-6 * mean, "{group:?} {pixel:?}");
             }
