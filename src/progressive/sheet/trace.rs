@@ -179,7 +179,7 @@ mod tests {
     /// Two models by two roughnesses of the default scene, small.
     fn sheet() -> Sheet {
         let scene = Arc::new(default_scene().unwrap().0.build());
-        let mut sheet = Sheet::new(Params { size: [32, 24], seed: 3, ..Params::new(scene) });
+        let mut sheet = Sheet::new(Params { size: [24, 18], seed: 3, ..Params::new(scene) });
         sheet.models = vec![Model::Phong, Model::Ggx];
         sheet.roughnesses =
             [0.1, 0.5].into_iter().filter_map(|a| Roughness::from_alpha(a).ok()).collect();
@@ -191,7 +191,9 @@ mod tests {
     /// By their own figures, and by pictures of sixteen times as many passes.
     #[test]
     fn all_cells_have_the_same_error_and_the_bits_of_a_render() {
-        let sheet = sheet();
+        let mut sheet = sheet();
+        // Errors of fewer pixels are those of single samples, and do not fall with every pass.
+        sheet.params.size = [32, 24];
         let mut seen = Vec::new();
         let traced = sheet
             .trace(2, |at| {
