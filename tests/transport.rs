@@ -172,7 +172,8 @@ fn lit_room(lamp_shape: usize) -> Arc<Scene> {
     Arc::new(b.build())
 }
 
-/// Small pictures do not keep two cores busy: half of the lamps each.
+/// Light sampling alone, BSDF sampling alone and both together have one mean, for every shape of lamp and
+/// every model. Small pictures do not keep two cores busy, so that there are two threads with half of the lamps each.
 #[test]
 fn light_only_bsdf_only_and_mis_agree() {
     std::thread::scope(|threads| {

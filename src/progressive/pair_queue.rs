@@ -2,12 +2,15 @@
 
 use super::TileRect;
 use super::plan::{self, Plan};
-use crate::film::Film;
+use crate::film::{CELL, Film};
 use crate::math::Rgb;
 use crate::math::soa::BATCH;
 use crate::math::sobol::REPLICATES;
 use crate::trace::{PixelBatch, ReuseGroup, group_cell};
 use std::ops::Range;
+
+// A batch has room for any pair.
+const _: () = assert!(2 * CELL * CELL <= BATCH);
 
 /// The pairs of samples that a tile is to get in a pass, in their order, and those of the batch that is
 /// being traced. A pair is a sample of all pixels of a cell for either replicate of a half.

@@ -4,7 +4,8 @@
 //! An [`Erratum`] is one mistake; everything else stays right. Mistakes of a formula are wrong
 //! [models]: wrappers around a right one that override what is wrong, chosen by
 //! [`Model::visit_with`](super::Model::visit_with); those of both lobes together are in
-//! [`Formulas`]. Mistakes of the estimator are rules of the reference tracer. The list of both is kept here, next to the formulas it is mostly about.
+//! [`Formulas`]. Mistakes of the estimator are rules of the reference tracer. The list of all is
+//! kept here, next to the formulas it is mostly about.
 //!
 //! Not shown, with the reason:
 //!

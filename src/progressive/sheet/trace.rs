@@ -229,14 +229,13 @@ mod tests {
     }
 
     /// Pictures of few passes, judged by one of 64: the truth, which one of very many stands for, is within the
-    /// limits of 95 % of them (of 90: 4 sigma are 9 %), and 19 of 20 limits are within a factor of two: a
-    /// bright sample in one of the two pictures alone is far from what is known.
+    /// limits of 95 % of them (of 90: 4 sigma are 9 %), which are near.
     #[test]
     fn a_finer_picture_tells_the_error_of_a_coarser_one() {
         let params = sheet().cell(3).unwrap();
         let truth = render(Params { seed: 999, ..params.clone() }, 2048, 2).unwrap();
         let (known, truth) = (truth.error.unwrap(), truth.mean().pixels);
-        let (mut held, mut near, mut pictures) = (0, 0, 0);
+        let (mut held, mut pictures) = (0, 0);
         for seed in 0..30 {
             let params = Params { seed, ..params.clone() };
             let finer = render(params.clone(), 64, 2).unwrap();
@@ -246,12 +245,11 @@ mod tests {
                 let told = error.of_coarser(&coarser, &finer).relative;
                 let true_error = known.of_coarser(&coarser, &truth).relative.value;
                 held += told.interval.contains(true_error) as u32;
-                near += (told.interval.high < 2.0 * told.value) as u32;
                 pictures += 1;
+                assert!(told.interval.high < 2.0 * told.value, "{passes}: {told:?}");
             }
         }
         assert!(held * 100 >= pictures * 86, "{held} of {pictures}");
-        assert!(near * 20 >= pictures * 19, "{near} of {pictures}");
     }
 
     /// An error that is out of reach ends at the most passes, which may be fewer than the first look.

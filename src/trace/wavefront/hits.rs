@@ -54,7 +54,8 @@ impl<L: Simd> MaterialRecord<L> {
 pub(super) struct MaterialTable(GatherTable<MaterialRecord, { MaterialRecord::NUMBERS }>);
 
 /// A specular lobe alone that is sharper than this is a mirror: what one path sees in it is of no use
-/// to its neighbours.
+/// to its neighbours. With 0.05, which leaves out lobes of just that, the built-in scene was 0.87 times as
+/// efficient and the gallery 1.06 times.
 const MIRROR_ALPHA: f32 = 0.06;
 
 /// A specular lobe is weak if its reflectance at normal incidence is at most this part of all, and it
