@@ -1,7 +1,7 @@
 //! How many neighbours share: decided before the first pass, by what sharing costs and what it gives.
 //!
-//! A few batches of the picture are traced a few times with every size of group. What counts is the
-//! product of the work a sample takes and the variance it leaves, batch by batch where the picture's
+//! Small parts of the picture are traced a few times with every size of group. What counts is the
+//! product of the work a sample takes and the variance it leaves, part by part where the picture's
 //! samples are to be [planned](super::plan). Work is counted, not timed, so
 //! that equal parameters decide alike on any machine, however busy it is. The samples are thrown away:
 //! the decision depends on them, so the picture must not.
@@ -13,8 +13,10 @@ use crate::trace::{
     Contribution, PixelBatch, PixelGrouping, RayCounts, ReuseGroup, Scratch, Tracer,
 };
 
-/// Batches traced.
-const BATCHES: usize = 4;
+/// Parts of batches traced: many small ones, for a picture's noise is mostly that of a few places.
+const PARTS: usize = 16;
+/// Batches traced of a picture that is hardly larger than one.
+const WHOLE: usize = 4;
 /// Times each is traced: with numbers that have nothing to do with each other, one of each
 /// replicate.
 const TIMES: u64 = 4;
@@ -23,7 +25,7 @@ const FIRST_PASS: u64 = 1 << 40;
 /// How much faster than by one over their number the variance of many samples falls where each path
 /// is for itself: edges and direct light are what stratification is best at. Measured as 2 to 4 in
 /// the Cornell box from 16 to 256 passes.
-const STRATIFIED: f64 = 3.0;
+const STRATIFIED: f64 = 4.0;
 
 /// What is traced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -36,7 +38,7 @@ enum Trial {
     Shared(ReuseGroup),
 }
 
-/// One trial of one batch.
+/// One trial of one part.
 pub(super) struct TrialTask {
     which: usize,
     trial: Trial,
@@ -53,7 +55,7 @@ pub(super) struct TrialResult {
 pub(super) fn tasks() -> Vec<TrialTask> {
     let sizes = || ReuseGroup::ALL.into_iter().skip(1).map(Trial::Shared);
     let trials = || [Trial::Apart, Trial::Own].into_iter().chain(sizes());
-    (0..BATCHES).flat_map(|which| trials().map(move |trial| TrialTask { which, trial })).collect()
+    (0..PARTS).flat_map(|which| trials().map(move |trial| TrialTask { which, trial })).collect()
 }
 
 impl Params {
@@ -80,6 +82,24 @@ pub(super) fn decide(params: &Params, tracer: &Tracer, scratch: &mut Scratch) ->
 }
 
 impl TrialTask {
+    /// The pixels that it traces: by the golden section of all batches, so that no two are near each
+    /// other, and none at the edges, which cut them. A small picture has whole batches traced instead,
+    /// and only a few.
+    fn take_pixels(&self, grouping: &PixelGrouping, batch: &mut PixelBatch) {
+        let part = (0.5 + self.which as f64 * 0.618_033_988_749_895).fract();
+        let place = |[columns, rows]: [u32; 2]| {
+            let place = (f64::from(columns * rows) * part) as u32;
+            [place % columns, place / columns]
+        };
+        let batches = grouping.batches();
+        if batches.iter().all(|&n| n > 2) {
+            let [column, row] = place(batches.map(|n| n - 2));
+            grouping.part_of_batch([column + 1, row + 1], batch);
+        } else if self.which < WHOLE {
+            grouping.batch(place(batches), batch);
+        }
+    }
+
     /// Does it.
     pub(super) fn run(
         self,
@@ -92,12 +112,8 @@ impl TrialTask {
             _ => ReuseGroup::Sixteen,
         };
         let grouping = PixelGrouping::new(params.size, params.seed, FIRST_PASS, group);
-        let [columns, rows] = grouping.batches().map(|n| n as usize);
-        // By the golden section of all batches, so that no two are near each other.
-        let part = (0.5 + self.which as f64 * 0.618_033_988_749_895).fract();
-        let place = ((columns * rows) as f64 * part) as usize;
         let mut batch = PixelBatch::default();
-        grouping.batch([place % columns, place / columns].map(|x| x as u32), &mut batch);
+        self.take_pixels(&grouping, &mut batch);
         match self.trial {
             Trial::Apart => batch.ends.clear(),
             Trial::Own => batch.contribution = Contribution::Own,
@@ -125,7 +141,7 @@ pub(super) fn choose(mut found: Vec<TrialResult>, primitives: usize, uniform: bo
     found.sort_by_key(|f| (f.task.which, f.task.trial));
     // Light as the quietest of the trials have it.
     let quiet = [Trial::Own, Trial::Shared(ReuseGroup::OneTwentyEight)];
-    let means: Vec<Vec<[f64; 3]>> = (0..BATCHES)
+    let means: Vec<Vec<[f64; 3]>> = (0..PARTS)
         .map(|which| {
             let these = |f: &&TrialResult| f.task.which == which && quiet.contains(&f.task.trial);
             mean(found.iter().filter(these).flat_map(|f| &f.samples))
@@ -138,7 +154,7 @@ pub(super) fn choose(mut found: Vec<TrialResult>, primitives: usize, uniform: bo
     let spread = |which, trial| {
         of(which, trial).map(|f| spread(&f.samples, &means[f.task.which])).sum::<f64>()
     };
-    // Of one batch, the work of a sample and the variance that it leaves.
+    // Of one part, the work of a sample and the variance that it leaves.
     let costs = |which: usize, group: ReuseGroup| {
         let own = spread(which, Trial::Own);
         match group {
@@ -153,7 +169,7 @@ pub(super) fn choose(mut found: Vec<TrialResult>, primitives: usize, uniform: bo
         }
     };
     let price = |group: ReuseGroup| {
-        let each = (0..BATCHES).map(|which| costs(which, group));
+        let each = (0..PARTS).map(|which| costs(which, group));
         if uniform {
             let (work, variance) = each.fold((0.0, 0.0), |(a, b), (c, d)| (a + c, b + d));
             return work * variance;

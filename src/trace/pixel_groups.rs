@@ -13,6 +13,8 @@ use std::ops::Range;
 
 /// Places of a batch, across and down.
 const PLACES: [u32; 2] = [32, 16];
+/// Places of a part of it: one of the largest groups.
+const PART: [u32; 2] = [16, 8];
 /// Length of a strip in the first passes, where the groups of a few could be seen, and in all others,
 /// where nearer neighbours leave an eighth less of the error. In the first passes strips begin
 /// elsewhere in every line as well; doing so in all of them would cost 4 %.
@@ -214,16 +216,27 @@ impl PixelGrouping {
 
     /// The pixels of the batch in this column and row. Every pixel is in one batch.
     pub fn batch(&self, at: [u32; 2], batch: &mut PixelBatch) {
+        self.fill(at, PLACES, batch);
+    }
+
+    /// A quarter of that batch, which is whole groups of any size: away from the picture's edges the same
+    /// pixels for all of them.
+    pub fn part_of_batch(&self, at: [u32; 2], batch: &mut PixelBatch) {
+        self.fill(at, PART, batch);
+    }
+
+    /// The pixels in the first places of a batch, across and down.
+    fn fill(&self, at: [u32; 2], places: [u32; 2], batch: &mut PixelBatch) {
         batch.clear();
         let [across, down] = self.group.shape();
         if self.group == ReuseGroup::None {
             let [xs, ys] =
-                [0, 1].map(|axis| self.range(axis, at[axis] * PLACES[axis], PLACES[axis]));
+                [0, 1].map(|axis| self.range(axis, at[axis] * PLACES[axis], places[axis]));
             batch.pixels.extend(ys.flat_map(|y| xs.clone().map(move |x| [x, y])));
             return;
         }
-        for top in (0..PLACES[1]).step_by(down as usize) {
-            for left in (0..PLACES[0]).step_by(across as usize) {
+        for top in (0..places[1]).step_by(down as usize) {
+            for left in (0..places[0]).step_by(across as usize) {
                 let xs = self.range(0, at[0] * PLACES[0] + left, across);
                 let ys = self.range(1, at[1] * PLACES[1] + top, down);
                 for y in ys {
@@ -325,6 +338,30 @@ mod tests {
                     assert!(seen.iter().all(|&n| n == 1), "{size:?} {group:?}");
                 }
             }
+        }
+    }
+
+    /// What the sizes of groups are compared by.
+    #[test]
+    fn a_part_of_a_batch_is_the_same_pixels_in_whole_groups_of_any_size() {
+        for (seed, pass, at) in [(5, 1 << 40, [1, 1]), (9, 3, [6, 5]), (77, 8, [3, 2])] {
+            let part = |group: ReuseGroup| {
+                let grouping = PixelGrouping::new([257, 129], seed, pass, group);
+                let mut batch = PixelBatch::default();
+                grouping.part_of_batch(at, &mut batch);
+                let starts = std::iter::once(0).chain(batch.ends.iter().copied());
+                for (start, end) in starts.zip(batch.ends.iter().copied()) {
+                    assert_eq!(end - start, group.paths());
+                }
+                for &pixel in &batch.pixels {
+                    assert_eq!(grouping.batch_of(pixel), at);
+                }
+                batch.pixels.sort_unstable();
+                batch.pixels
+            };
+            let sizes: Vec<_> = ReuseGroup::ALL.into_iter().skip(1).map(part).collect();
+            assert_eq!(sizes[0].len(), 128);
+            assert!(sizes.iter().all(|pixels| *pixels == sizes[0]));
         }
     }
 
