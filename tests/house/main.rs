@@ -4,6 +4,7 @@
 mod cycles;
 mod dependencies;
 mod hard_cases;
+#[path = "../models/mod.rs"]
 mod models;
 
 use burnish::brdf::Model;

@@ -33,7 +33,7 @@ impl Model {
             names.iter().map(|n| format!("property float {n}\n")).collect()
         };
         let mut header = format!(
-            "ply\nformat binary_little_endian 1.0\ncomment {name}, made by burnish's tests/house/models\n\
+            "ply\nformat binary_little_endian 1.0\ncomment {name}, made by burnish's tests/models\n\
              element vertex {}\n{}",
             self.positions.len(),
             properties(&["x", "y", "z"])

@@ -21,7 +21,7 @@ const COLOURS: [[f64; 3]; 6] = [
 const HALL: &str = "\
 # A hall with two hundred bulbs on five strings: the strongest has 150 times the power of the weakest.
 # Each point sees all of them and is lit by a few: the pictures differ by how a light is chosen to be asked.
-# Made by tests/house/models.
+# Made by tests/models.
 caption Two hundred bulbs of unequal power: which of them is asked for light decides how noisy the picture is
 
 screen 800 600
