@@ -1,5 +1,5 @@
-//! The walls of the house: who may know whom, and the one place of each foreign crate. And its map:
-//! what pages for readers name has to exist.
+//! The walls of the house: who may know whom, and the one place of each foreign crate. And its map: what pages for
+//! readers name has to exist. Beside them what it is built of, and the models that it ships.
 
 mod cycles;
 mod dependencies;
