@@ -4,7 +4,7 @@
 # below.
 #
 #     .ci/asan.sh                        the tests named below
-#     .ci/asan.sh --test transport       others
+#     .ci/asan.sh --test measure         others
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -15,8 +15,7 @@ if [ "$(uname -sm)" != "Linux x86_64" ] || [ ! -e "$runtime" ]; then
     exit 0
 fi
 tests=("$@")
-[ $# -gt 0 ] || tests=(--lib --test engine --test geometry --test coincident --test progressive --test readers
-    --test film --test pictures --test fuzz)
+[ $# -gt 0 ] || tests=(--lib --test trace --test geometry --test progressive --test readers --test fuzz)
 # With --target, what is run while building is not instrumented. The window's crates are left out. Leaks are
 # looked for too, and freed memory is kept from being used again for long.
 export RUSTFLAGS="-Zsanitizer=address --cfg headless" CARGO_TARGET_DIR=target/asan

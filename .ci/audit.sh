@@ -3,7 +3,7 @@
 #
 #     cargo install --locked cargo-deny cargo-machete; .ci/audit.sh
 #
-# Building the two takes time that CI has not. Where they are missing this says so, and tests/dependencies.rs has
+# Building the two takes time that CI has not. Where they are missing this says so, and tests/house/dependencies.rs has
 # held the same rules.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -11,10 +11,10 @@ cd "$(dirname "$0")/.."
 if cargo deny --version >/dev/null 2>&1; then
     cargo deny --log-level error check licenses bans sources
 else
-    echo "cargo-deny is not installed: licences, bans, sources and duplicates by tests/dependencies.rs alone"
+    echo "cargo-deny is not installed: licences, bans, sources and duplicates by tests/house/dependencies.rs alone"
 fi
 if cargo machete --version >/dev/null 2>&1; then
     cargo machete
 else
-    echo "cargo-machete is not installed: unused dependencies by tests/dependencies.rs alone"
+    echo "cargo-machete is not installed: unused dependencies by tests/house/dependencies.rs alone"
 fi

@@ -2,7 +2,7 @@
 //!
 //! The standard library has these for one `f32` at a time only, and no error function at all. The
 //! polynomials are least-maximum-error fits made for this file; each doc states the largest error
-//! seen against f64 over a dense sweep, which `tests/special.rs` repeats.
+//! seen against f64 over a dense sweep, which `tests/brdf/special.rs` repeats.
 
 // Coefficients are written as they were fitted; that one is near a constant is no accident.
 #![allow(clippy::excessive_precision, clippy::approx_constant)]

@@ -2,6 +2,9 @@
 
 mod brdf;
 mod experiment;
+mod info;
+#[cfg(unix)]
+mod limits;
 mod measure;
 mod outputs;
 mod sheet;

@@ -1,5 +1,5 @@
-//! Every reader: what it makes of good files, what it says of odd ones, and that no input at all
-//! makes it panic.
+//! Files. Every reader: what it makes of good ones, what it says of odd ones, and that no input at all
+//! makes it panic; and scenes and pictures as they are written.
 
 #[path = "../support/bounded.rs"]
 mod bounded;
@@ -11,9 +11,13 @@ mod mtl;
 mod mutate;
 mod normals;
 mod obj;
+mod pictures;
 mod ply;
 mod scn;
 mod stage;
+#[path = "../support/mod.rs"]
+mod support;
+mod write;
 
 use burnish::scene::read::{self, Files, Memory, ReadError, ReadOptions};
 use burnish::scene::{Report, Scene, SceneBuilder};

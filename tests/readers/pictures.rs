@@ -1,7 +1,6 @@
 //! Pictures on their way to the screen and to files, and back.
 
-mod support;
-
+use crate::support::Random;
 use burnish::picture::{Curve, Format, NAN_COLOUR, Picture, SaveError, Tone};
 use burnish::picture::{check_writable, contents, read_exr, read_exr_part, read_recipe};
 use burnish::picture::{read_recipe_of, replace_file};
@@ -9,7 +8,6 @@ use burnish::picture::{write, write_with_recipe};
 use std::fs;
 use std::io;
 use std::path::Path;
-use support::Random;
 
 fn tone(exposure: f32, curve: Curve) -> Tone {
     Tone { exposure, curve }

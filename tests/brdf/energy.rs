@@ -7,8 +7,8 @@ use burnish::measure::energy::{LobeEnergy, Remark, remarks};
 use burnish::scene::Material;
 
 /// Made in other variables at 3e-14, and checked against brute force and 2e7 samples.
-const ALBEDO: &str = include_str!("data/albedo.csv");
-const MEANS: &str = include_str!("data/albedo_avg.csv");
+const ALBEDO: &str = include_str!("../data/albedo.csv");
+const MEANS: &str = include_str!("../data/albedo_avg.csv");
 
 /// A row's model, parameter and the numbers after them.
 fn rows(table: &str) -> impl Iterator<Item = (ReferenceBrdf, Vec<f64>)> {

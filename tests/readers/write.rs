@@ -1,7 +1,6 @@
 //! Scenes written back as `.scn` text with their edits.
 
-mod support;
-
+use crate::support::Random;
 use burnish::brdf::Roughness;
 use burnish::scene::builtin::EXAMPLES;
 use burnish::scene::read::{Memory, open, parse_camera, read_scn};
@@ -10,7 +9,6 @@ use burnish::scene::{Camera, Material, Scene, SceneBuilder};
 use glam::DVec3;
 use std::fs;
 use std::path::Path;
-use support::Random;
 
 fn scene(text: &str) -> Scene {
     read_scn(text.as_bytes(), "test.scn".as_ref(), &Memory(&[])).unwrap().0.build()

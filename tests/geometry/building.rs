@@ -1,11 +1,8 @@
 //! Scenes of 100,000 shapes where it is hardest to tell them apart: none takes quadratic time.
 //!
-//! `cargo test --release --test building -- --nocapture` prints the seconds of each.
+//! `cargo test --release --test geometry building -- --nocapture` prints the seconds of each.
 
-#[path = "support/bounded.rs"]
-mod bounded;
-
-use bounded::worked;
+use crate::bounded::worked;
 use burnish::scene::{Material, MaterialId, Mesh, Scene, SceneBuilder};
 use glam::{DAffine3, DVec3};
 use std::time::Instant;

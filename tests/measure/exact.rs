@@ -35,7 +35,7 @@ fn each_of_the_139_scenes_is_asked_or_left_out_with_a_reason() {
 /// The answers that have a closed form, once more from the parameters beside them.
 #[test]
 fn closed_forms_of_the_table_are_what_they_say() {
-    let text = include_str!("../assets/exact_scenes.json");
+    let text = include_str!("../../assets/exact_scenes.json");
     let rows: Vec<serde_json::Value> = serde_json::from_str(text).unwrap();
     let mut checked = BTreeMap::new();
     for row in &rows {

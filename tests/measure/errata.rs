@@ -1,8 +1,7 @@
 //! Each erratum does what its text says, by as much as its formula gives, and the right renderer
 //! does not.
 
-mod support;
-
+use crate::support::{Mean, Random};
 use burnish::brdf::{
     Alpha, BrdfParams, Erratum, Formulas, Microfacet, Model, ModelVisitor, Normals, Roughness,
 };
@@ -14,7 +13,6 @@ use burnish::scene::{Camera, Material, Mesh, Scene, SceneBuilder};
 use glam::{DAffine3, DVec3};
 use std::f64::consts::{LN_10, PI, TAU};
 use std::sync::Arc;
-use support::{Mean, Random};
 
 fn material(kd: f64, ks: f64, alpha: f64) -> Material {
     let exponent = Roughness::from_alpha(alpha).unwrap().exponent();
@@ -460,7 +458,7 @@ fn right_and_wrong_pictures_have_their_noise_in_common() {
 /// The page of the errata has each by its name, in the program's order.
 #[test]
 fn the_page_lists_every_erratum() {
-    let page = include_str!("../src/measure/errata.md");
+    let page = include_str!("../../src/measure/errata.md");
     let name = |line: &str| Some(line.strip_prefix("| `")?.split_once('`')?.0.to_owned());
     let listed: Vec<String> =
         page.lines().filter_map(name).filter(|name| !name.starts_with("--")).collect();

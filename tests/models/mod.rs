@@ -1,7 +1,7 @@
 //! The models beside the scenes, and the scene of many lights, are made by the programs in this folder.
 //!
 //! The test compares them with the files byte for byte, so neither can change without the other.
-//! To write the files anew: `BURNISH_WRITE_ASSETS=1 cargo test --release --test models`.
+//! To write the files anew: `BURNISH_WRITE_ASSETS=1 cargo test --release --test house models`.
 
 mod arithmetic;
 mod knot;
@@ -11,7 +11,7 @@ mod model;
 mod shell;
 mod urchin;
 
-use model::Model;
+use self::model::Model;
 use std::path::PathBuf;
 
 fn models() -> [(&'static str, Model); 5] {

@@ -1,7 +1,6 @@
 //! The tracer that runs, held against the one that one reads.
 
-mod support;
-
+use crate::support::{Mean, Random, ball};
 use burnish::brdf::Model;
 use burnish::math::Rgb;
 use burnish::math::simd::Isa;
@@ -11,7 +10,6 @@ use burnish::scene::{Camera, Material, Mesh, Scene, SceneBuilder};
 use burnish::trace::{BatchOptions, PixelBatch};
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
-use support::{Mean, Random, ball};
 
 /// Every shape, smooth and flat, every kind of light, diffuse, glossy and both, and what is in none
 /// of the easy cases: many materials, and a mesh that is no plate.

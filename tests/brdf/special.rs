@@ -1,11 +1,9 @@
 //! Elementary and special functions against f64.
 
-mod support;
-
+use crate::support::erfc;
 use burnish::math::special::{
     atan_ratio, erf, erfc_inv, erfc_scaled, exp, exp_m1, ln, ln_1p, sin_cos_2pi,
 };
-use support::erfc;
 
 /// Largest of `f`'s relative errors over an even sweep of `[a, b]`.
 fn worst(a: f64, b: f64, f: impl Fn(f32) -> f32, truth: impl Fn(f64) -> f64) -> f64 {

@@ -1,14 +1,12 @@
 //! Light transport against exact answers, and its strategies against each other.
 
-mod support;
-
+use crate::support::Mean;
 use burnish::brdf::{Model, Roughness};
 use burnish::progressive::{Params, Strategy, render};
 use burnish::scene::{Camera, Material, Mesh, Scene, SceneBuilder};
 use burnish::trace::ReuseGroup;
 use glam::{DAffine3, DQuat, DVec3};
 use std::sync::Arc;
-use support::Mean;
 
 fn diffuse(kd: f64) -> Material {
     Material::reflecting("diffuse", [kd; 3], [0.0; 3], 10.0).unwrap()
@@ -244,7 +242,7 @@ fn normals_that_lie_let_no_light_in() {
     let mut b = SceneBuilder::new("closed box");
     let wall = Material::reflecting("wall", [0.5; 3], [0.5; 3], 20.0).unwrap();
     let wall = b.material(wall);
-    let mut r = support::Random::new(8);
+    let mut r = crate::support::Random::new(8);
     let mut cube = Mesh::default();
     let n = 8u32;
     for face in 0..6usize {

@@ -1,13 +1,11 @@
 //! Sums of samples: long, spread out, in parts.
 
-mod support;
-
+use crate::support::Random;
 use burnish::film::{CELL, Film};
 use burnish::math::Rgb;
 use burnish::math::simd::U32;
 use burnish::math::sobol::{REPLICATES, Slot, Stream};
 use burnish::progressive::{Counts, Session};
-use support::Random;
 
 fn film(samples: impl Iterator<Item = f32>) -> Film {
     let mut film = Film::default();

@@ -1,12 +1,10 @@
 //! Where a picture is taken from, at its extremes.
 
-mod support;
-
+use crate::support::Random;
 use burnish::progressive::{Params, render};
 use burnish::scene::{Camera, CameraRays, Material, Mesh, SceneBuilder};
 use glam::{DAffine3, DQuat, DVec3};
 use std::sync::Arc;
-use support::Random;
 
 /// Tangent of half of so many degrees.
 fn half_tangent(degrees: f64) -> f64 {

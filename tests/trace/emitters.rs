@@ -3,8 +3,7 @@
 //!
 //! Nothing here is at a round place: bodies are turned, scaled and moved at random.
 
-mod support;
-
+use crate::support::{Random, ball, place, vector};
 use burnish::brdf::{Model, Roughness};
 use burnish::math::simd::Isa;
 use burnish::progressive::{Params, Strategy, render};
@@ -13,7 +12,6 @@ use burnish::trace::ReuseGroup;
 use glam::{DAffine3, DMat3, DVec3};
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use support::{Random, ball, place, vector};
 
 const RADIANCE: f64 = 2.0;
 
@@ -290,7 +288,7 @@ fn plates_that_face_each_other_at_no_round_distance() {
             b.screen = [128, 8];
             let params = Params::new(Arc::new(b.build()));
             for group in [ReuseGroup::ThirtyTwo, ReuseGroup::None] {
-                let mut mean = support::Mean::default();
+                let mut mean = crate::support::Mean::default();
                 for seed in 0..16 {
                     let params = Params { group: Some(group), seed, ..params.clone() };
                     let pixels = render(params, 16, 1).unwrap().mean().pixels;

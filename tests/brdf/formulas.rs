@@ -1,15 +1,13 @@
 //! The BRDF against 50-digit values, and its own laws.
 
-mod support;
-
+use crate::support::Random;
 use burnish::brdf::{Alpha, BrdfParams, Microfacet, Model, ModelVisitor, Roughness, Terms};
 use burnish::math::simd::{F32x8, Simd, Simd8};
 use burnish::math::{Rgb, V3};
 use std::collections::HashMap;
-use support::Random;
 
 /// 666 rows a model made at 50 digits; tolerances are what single-precision inputs determine.
-const ORACLE: &str = include_str!("data/brdf_oracle.csv");
+const ORACLE: &str = include_str!("../data/brdf_oracle.csv");
 
 struct Ask {
     params: BrdfParams,

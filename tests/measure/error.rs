@@ -1,8 +1,7 @@
 //! Error measures against numbers worked out by hand, against plain loops, and against noise whose
 //! size is known; the experiment of speed against error on scenes whose answer is known.
 
-mod support;
-
+use crate::support::Random;
 use burnish::brdf::{Model, Normals, Roughness};
 use burnish::measure::difference::PictureDifference;
 use burnish::measure::error::{self, Measure, Pair, PairError, Reference, mean_margin};
@@ -15,7 +14,6 @@ use burnish::scene::{Material, SceneBuilder};
 use burnish::trace::ReuseGroup;
 use glam::DVec3;
 use std::sync::Arc;
-use support::Random;
 
 fn picture(width: u32, pixels: Vec<[f32; 3]>) -> Picture {
     Picture { width, height: pixels.len() as u32 / width, pixels }

@@ -1,14 +1,12 @@
 //! Rays and shapes: the tree against brute force, no leaks, no self-hits, at any scale and place.
 
-mod support;
-
+use crate::support::Random;
+use crate::support::ball;
 use burnish::geometry::{Hit, Query, Ray, offset_origin};
 use burnish::math::V3;
 use burnish::math::simd::Isa;
 use burnish::scene::{Material, MaterialId, Mesh, Scene, SceneBuilder};
 use glam::{DAffine3, DVec3};
-use support::Random;
-use support::ball;
 
 fn clay(b: &mut SceneBuilder) -> MaterialId {
     b.material(Material::reflecting("clay", [0.5; 3], [0.0; 3], 10.0).unwrap())

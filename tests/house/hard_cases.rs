@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-const PAGE: &str = include_str!("hard_cases.md");
+const PAGE: &str = include_str!("../hard_cases.md");
 
 /// The groups with the number of cases in each.
 const GROUPS: [(char, usize); 6] =

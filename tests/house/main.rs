@@ -1,8 +1,11 @@
-//! The walls of the house: who may know whom, and the one place of each foreign crate. And its map:
-//! what pages for readers name has to exist.
+//! The walls of the house: who may know whom, and the one place of each foreign crate. And its map: what pages for
+//! readers name has to exist. Beside them what it is built of, and the models that it ships.
 
-#[path = "house/cycles.rs"]
 mod cycles;
+mod dependencies;
+mod hard_cases;
+#[path = "../models/mod.rs"]
+mod models;
 
 use burnish::brdf::Model;
 use burnish::scene::builtin::EXAMPLES;
@@ -316,8 +319,8 @@ fn geometry_has_one_door() {
 }
 
 /// The map for contributors.
-const MAP: &str = include_str!("../src/ARCHITECTURE.md");
-const README: &str = include_str!("../README.md");
+const MAP: &str = include_str!("../../src/ARCHITECTURE.md");
+const README: &str = include_str!("../../README.md");
 
 /// The cells of a table's row.
 fn cells(line: &str) -> Option<Vec<&str>> {
@@ -578,6 +581,61 @@ fn links_between_pages_lead_somewhere() {
         }
     }
     assert!(links > 15, "only {links} links found");
+}
+
+/// Names of test programs that a text tells cargo to run: the words after `--test`.
+fn told_to_run(text: &str) -> impl Iterator<Item = &str> {
+    let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    let after = text.split("--test").skip(1).filter_map(|rest| rest.strip_prefix([' ', '=']));
+    after.map(move |rest| rest.split(|c| !is_name(c)).next().unwrap()).filter(|n| !n.is_empty())
+}
+
+/// Whether cargo makes a program of this name from the folder of tests.
+fn is_test_program(name: &str) -> bool {
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
+    tests.join(name).join("main.rs").exists() || tests.join(name).with_extension("rs").exists()
+}
+
+/// Every file of text below a folder that is not among pictures and models.
+fn texts(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let kind = path.extension().and_then(|e| e.to_str());
+        if path.is_dir() {
+            texts(&path, found);
+        } else if matches!(kind, None | Some("md" | "rs" | "sh" | "toml")) {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn commands_run_tests_that_exist() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut all = vec![root.join("README.md"), root.join("Cargo.toml")];
+    for folder in ["src", "tests", "assets", ".ci", ".cargo"] {
+        texts(&root.join(folder), &mut all);
+    }
+    // This file names some that do not exist.
+    all.retain(|path| !path.ends_with("tests/house/main.rs"));
+    let mut named = 0;
+    for path in &all {
+        let bytes = fs::read(path).unwrap();
+        for name in told_to_run(&String::from_utf8_lossy(&bytes)) {
+            named += 1;
+            assert!(is_test_program(name), "{}: --test {name} is none", path.display());
+        }
+    }
+    assert!(named > 15, "only {named} found");
+}
+
+#[test]
+fn a_command_with_a_test_is_told_from_what_is_none() {
+    let text = "`cargo test --test fuzz bombs`, --tests --test=cli --test a-b.";
+    assert_eq!(told_to_run(text).collect::<Vec<_>>(), ["fuzz", "cli", "a-b"]);
+    assert!(is_test_program("house") && is_test_program("stress"));
+    // A folder of modules, and a program of earlier days.
+    assert!(!is_test_program("support") && !is_test_program("transport"));
 }
 
 #[test]

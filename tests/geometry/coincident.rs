@@ -1,8 +1,7 @@
 //! Surfaces that share a place: the emitter is in front, else the first, for every ray; and what is
 //! told about it.
 
-mod support;
-
+use crate::support::{Mean, Random, place, vector};
 use burnish::brdf::Model;
 use burnish::math::simd::Isa;
 use burnish::progressive::{Params, Strategy, render};
@@ -12,7 +11,6 @@ use burnish::scene::{
 use burnish::trace::ReuseGroup;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
-use support::{Mean, Random, place, vector};
 
 /// A rectangle at this height above the plane z = 0, with a random place for its diagonal's start.
 fn rectangle([x, y]: [[f64; 2]; 2], z: f64, turn: usize) -> Mesh {

@@ -1,7 +1,5 @@
 //! The progressive core: determinism, epochs, limits, pauses.
 
-mod support;
-
 use burnish::brdf::{Model, Roughness};
 use burnish::progressive::{
     Experiment, Options, Params, Session, Snapshot, State, TileImage, render,

@@ -1,15 +1,13 @@
 //! Lights that are hard to sample: of any size as seen from where they shine, touching what they
 //! light, behind it, without area, very many, very unequal.
 
-mod support;
-
+use crate::support::Mean;
 use burnish::brdf::{Model, Roughness};
 use burnish::progressive::{Params, Strategy, render};
 use burnish::scene::{Camera, Material, MaterialId, Mesh, SceneBuilder};
 use glam::{DAffine3, DVec3};
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use support::Mean;
 
 /// Reflectance of the floor.
 const KD: f64 = 0.8;

@@ -7,9 +7,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const RULES: &str = include_str!("../.cargo/deny.toml");
-const LOCK: &str = include_str!("../Cargo.lock");
-const MANIFEST: &str = include_str!("../Cargo.toml");
+const RULES: &str = include_str!("../../.cargo/deny.toml");
+const LOCK: &str = include_str!("../../Cargo.lock");
+const MANIFEST: &str = include_str!("../../Cargo.toml");
 
 /// What stands between quotes in a list of the rules; of tables, their crates.
 fn rules(section: &str, list: &str) -> Vec<String> {

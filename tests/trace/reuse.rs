@@ -1,7 +1,6 @@
 //! Paths that share: the same light with less noise, whichever pixels are traced together, on any instruction set.
 
-mod support;
-
+use crate::support::Mean;
 use burnish::brdf::Model;
 use burnish::film::CELL;
 use burnish::math::Rgb;
@@ -12,7 +11,6 @@ use burnish::scene::{Camera, Material, Scene, SceneBuilder};
 use burnish::trace::{Contribution, PixelBatch, PixelGrouping, ReuseGroup};
 use glam::DVec3;
 use std::sync::Arc;
-use support::Mean;
 
 const SHARED: [ReuseGroup; 3] =
     [ReuseGroup::Sixteen, ReuseGroup::SixtyFour, ReuseGroup::OneTwentyEight];

@@ -1,13 +1,11 @@
 //! Every sampler against its own density.
 
-mod support;
-
+use crate::support::{Mean, Random, chi_square_sigmas, erfc, ks_uniform};
 use burnish::brdf::{
     Alpha, Beckmann, BrdfParams, FullNdf, Ggx, Microfacet, Model, ModelVisitor, Phong, Roughness,
 };
 use burnish::math::{Rgb, V3, warp};
 use std::f64::consts::{PI, TAU};
-use support::{Mean, Random, chi_square_sigmas, erfc, ks_uniform};
 
 const ALPHAS: [f64; 7] = [1e-4, 1e-3, 0.01, 0.1, 0.3, 0.6, 1.0];
 const COSINES: [f64; 7] = [1.0, 0.95, 0.5, 0.1, 1e-3, 1e-5, 1e-7];
@@ -270,7 +268,7 @@ fn samples_carry_the_value_and_density_of_their_direction() {
 
 /// Directional albedos E1 of the lobe with F = 1 and E5 of the one with F = (1 - cos)^5, by
 /// quadrature to 1e-12: a lobe of any Ks has `Ks E1 + (1 - Ks) E5`.
-const ALBEDOS: &str = include_str!("data/albedo.csv");
+const ALBEDOS: &str = include_str!("../data/albedo.csv");
 
 /// Albedos of three channels by sampling: the mean weights of independent sets of samples.
 struct Albedo {
