@@ -15,7 +15,7 @@ use crate::trace::{
 
 /// Parts of batches traced: many small ones, for a picture's noise is mostly that of a few places.
 const PARTS: usize = 16;
-/// Batches traced of a picture that is hardly larger than one.
+/// Batches traced of a picture that has not as many that no edge cuts.
 const WHOLE: usize = 4;
 /// Times each is traced: with numbers that have nothing to do with each other, one of each
 /// replicate.
@@ -83,8 +83,7 @@ pub(super) fn decide(params: &Params, tracer: &Tracer, scratch: &mut Scratch) ->
 
 impl TrialTask {
     /// The pixels that it traces: by the golden section of all batches, so that no two are near each
-    /// other, and none at the edges, which cut them. A small picture has whole batches traced instead,
-    /// and only a few.
+    /// other, and none that an edge cuts. A picture with too few of those has some batches traced whole.
     fn take_pixels(&self, grouping: &PixelGrouping, batch: &mut PixelBatch) {
         let part = (0.5 + self.which as f64 * 0.618_033_988_749_895).fract();
         let place = |[columns, rows]: [u32; 2]| {
@@ -92,8 +91,9 @@ impl TrialTask {
             [place % columns, place / columns]
         };
         let batches = grouping.batches();
-        if batches.iter().all(|&n| n > 2) {
-            let [column, row] = place(batches.map(|n| n - 2));
+        let inner = batches.map(|n| n.saturating_sub(2));
+        if inner[0] * inner[1] >= PARTS as u32 {
+            let [column, row] = place(inner);
             grouping.part_of_batch([column + 1, row + 1], batch);
         } else if self.which < WHOLE {
             grouping.batch(place(batches), batch);
