@@ -186,7 +186,7 @@ fn strategies_agree(emitter: usize) {
     for model in Model::ALL {
         let of = |strategy| {
             let params = Params { strategy, model, ..Params::new(scene.clone()) };
-            mean_of(&params, 64, 8)
+            mean_of(&params, 96, 8)
         };
         let [mis, light, bsdf] = [Strategy::Mis, Strategy::LightOnly, Strategy::BsdfOnly].map(of);
         for (name, other) in [("light only", light), ("BSDF only", bsdf)] {
