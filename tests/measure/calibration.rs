@@ -11,13 +11,13 @@ fn params(name: &str, size: [u32; 2]) -> Params {
     Params { size, ..Params::new(Arc::new(builder.build())) }
 }
 
-/// Twelve renders of two scenes. Coverage over some 37,000 values of which touching ones share
+/// Twelve renders of two scenes. Coverage over some 60,000 values of which touching ones share
 /// their standard error; what the bounds leave is ten times what seeds change it by.
 #[test]
 fn intervals_hold_the_truth_and_the_estimate_is_the_error() {
     for name in ["shell", "cornell"] {
         let renders =
-            Renders::new(&params(name, [64, 48]), &[32, 128], 12, 0, &mut |_| {}).unwrap();
+            Renders::new(&params(name, [80, 60]), &[32, 128], 12, 0, &mut |_| {}).unwrap();
         for c in renders.calibrations() {
             assert!((0.92..0.97).contains(&c.coverage), "{name}: {c:?}");
             assert!((0.75..1.35).contains(&c.rmse_ratio), "{name}: {c:?}");
