@@ -261,7 +261,7 @@ fn stats(
         erratum: params.erratum.map(Erratum::name),
         seed: params.seed,
         group: snapshot.group.paths(),
-        isa: loaded.scene.bvh().isa().name(),
+        isa: loaded.scene.isa().name(),
         version: env!("CARGO_PKG_VERSION"),
         width: picture.width,
         height: picture.height,

@@ -78,7 +78,7 @@ impl fmt::Display for Loaded {
             self.build_s,
             scene.bvh().bytes() as f64 / 1048576.0,
             scene.bvh().depth(),
-            scene.bvh().isa().name()
+            scene.isa().name()
         )
     }
 }

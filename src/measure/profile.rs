@@ -37,7 +37,7 @@ impl Profile {
     pub fn new(params: &Params, passes: u64) -> Option<Profile> {
         let tracer = params.tracer();
         let group = params.decide_group().ok()?;
-        let width = params.scene.bvh().isa().width();
+        let width = params.scene.isa().width();
         let (counts, stages) = (RayCounts::default(), Default::default());
         let time = Duration::ZERO;
         let mut profile = Profile { group, paths: 0, time, stages, counts, width };

@@ -74,7 +74,7 @@ impl RayBench {
         let mut seconds = [(); 3].map(|()| [Vec::new(), Vec::new()]);
         let mut hits = [0; 3];
         let (geometry, bvh) = (scene.geometry(), scene.bvh());
-        let mut stack = bvh.stack();
+        let mut stack = scene.stack();
         let (mut nearest, mut any) = (Vec::<Option<Hit>>::new(), Vec::<bool>::new());
         for _ in 0..self.repeats {
             for (at, (kind, queries)) in kinds.iter().enumerate() {
@@ -125,7 +125,7 @@ impl RayBench {
     fn queries(&self, scene: &Scene, kind: RayKind) -> Vec<Query> {
         let camera = CameraRays::new(&scene.camera(), scene.placement(), self.size);
         let lights = lit_primitives(scene);
-        let mut stack = scene.bvh().stack();
+        let mut stack = scene.stack();
         let width = self.size[0] as usize;
         let pixels = width * self.size[1] as usize;
         let mut rays = Vec::with_capacity(self.rays);
@@ -234,7 +234,7 @@ mod tests {
         let rays = bench.queries(&scene, RayKind::Shadow);
         assert!(!rays.is_empty() && rays.iter().all(|q| q.t_max == 0.999));
         // The upper half of a ball sees a small emitter above it; nothing else is in the way.
-        let (geometry, mut stack) = (scene.geometry(), scene.bvh().stack());
+        let (geometry, mut stack) = (scene.geometry(), scene.stack());
         let free = |q: &&Query| !scene.bvh().occluded(geometry, &q.ray, 0.5, &mut stack);
         assert!(rays.iter().filter(free).count() > rays.len() / 4);
     }

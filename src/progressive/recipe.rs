@@ -246,7 +246,7 @@ impl Recipe {
         Recipe {
             recipe: Self::VERSION,
             burnish: env!("CARGO_PKG_VERSION").to_owned(),
-            isa: scene.bvh().isa().name().to_owned(),
+            isa: scene.isa().name().to_owned(),
             scene: SceneRecipe::new(params),
             materials: edited(params),
             alpha: common.filter(|r| by_alpha(*r)).map(Roughness::alpha),

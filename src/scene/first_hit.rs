@@ -28,7 +28,7 @@ impl Scene {
     /// `None` where nothing is.
     pub fn first_hit(&self, camera: &Camera, size: [u32; 2], [x, y]: [f32; 2]) -> Option<FirstHit> {
         let ray = CameraRays::new(camera, self.placement, size).ray(x, y);
-        let mut stack = self.bvh.stack();
+        let mut stack = self.stack();
         let hit = self.bvh.closest(&self.geometry, &ray, f32::INFINITY, &mut stack)?;
         let wo = -ray.d;
         let surface = self.geometry.surface(&ray, &hit).turned_to(wo);

@@ -27,7 +27,7 @@ impl Scene {
         let local = |v: DVec3| V3::from(v.as_vec3().to_array());
         let d = local(direction.try_normalize()?);
         let ray = Ray { o: local(self.placement.to_local(from)), d };
-        let mut stack = self.bvh.stack();
+        let mut stack = self.stack();
         let hit = self.bvh.closest(&self.geometry, &ray, f32::INFINITY, &mut stack)?;
         Some(f64::from(hit.t) / self.placement.scale())
     }

@@ -41,7 +41,8 @@ pub use source::{Source, SourceFile};
 pub use stage::{ModelStage, StageError, StageLight};
 pub use up::Axis;
 
-use crate::geometry::{Bvh, Geometry, PrimitiveRange};
+use crate::geometry::{Bvh, Geometry, PrimitiveRange, Stack};
+use crate::math::simd::Isa;
 use glam::DVec3;
 
 /// A scene as the tracer sees it: every index in range, every number finite.
@@ -56,6 +57,7 @@ pub struct Scene {
     materials: Vec<Material>,
     geometry: Geometry,
     bvh: Bvh,
+    isa: Isa,
     surfaces: Vec<Light>,
     placement: Placement,
     bounds: [DVec3; 2],
@@ -122,10 +124,19 @@ impl Scene {
     pub fn bvh(&self) -> &Bvh {
         &self.bvh
     }
+    /// The instruction set that rays and samples are traced with: the widest that this processor
+    /// has, unless another was set.
+    pub fn isa(&self) -> Isa {
+        self.isa
+    }
     /// Traces with another instruction set from now on: for tests and comparisons, the hits are
-    /// the same bits.
-    pub fn set_isa(&mut self, isa: crate::math::simd::Isa) {
-        self.bvh.set_isa(isa);
+    /// the same bits. Stacks made before keep theirs.
+    pub fn set_isa(&mut self, isa: Isa) {
+        self.isa = isa;
+    }
+    /// Memory for rays through this scene's tree.
+    pub fn stack(&self) -> Stack {
+        self.bvh.stack(self.isa)
     }
     /// Every shape that would be a light of its own if its material emitted.
     pub fn surfaces(&self) -> &[Light] {
@@ -152,7 +163,7 @@ impl Scene {
     /// where nothing is hit.
     pub fn pick(&self, camera: &Camera, size: [u32; 2], pixel: [f32; 2]) -> Option<MaterialId> {
         let ray = CameraRays::new(camera, self.placement, size).ray(pixel[0], pixel[1]);
-        let mut stack = self.bvh.stack();
+        let mut stack = self.stack();
         let hit = self.bvh.closest(&self.geometry, &ray, f32::INFINITY, &mut stack)?;
         Some(self.geometry.material(hit.primitive))
     }

@@ -300,7 +300,7 @@ impl Tracer {
 
     /// Memory for one worker.
     pub fn scratch(&self) -> Scratch {
-        let stack = self.scene.bvh().stack();
+        let stack = self.scene.stack();
         let counts = RayCounts::default();
         Scratch { stack, batch: Box::default(), rays: 0, capped: 0, counts }
     }

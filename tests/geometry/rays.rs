@@ -28,7 +28,7 @@ fn scene_of(mesh: &Mesh, placement: DAffine3) -> Scene {
 /// any hit, which is all that the tracer asks.
 fn leaks(scene: &Scene, origins: u32, random: u32, r: &mut Random) -> (u64, u64) {
     let g = scene.geometry();
-    let mut stack = scene.bvh().stack();
+    let mut stack = scene.stack();
     let (mut rays, mut leaks) = (0, 0);
     let mut shoot = |o: V3, d: V3| {
         let ray = Ray { o, d };
@@ -204,7 +204,7 @@ fn rays_in_company_hit_what_they_hit_alone() {
             for isa in Isa::available() {
                 scene.set_isa(isa);
                 let (g, bvh) = (scene.geometry(), scene.bvh());
-                let mut stack = bvh.stack();
+                let mut stack = scene.stack();
                 bvh.closest_each(g, &queries, &mut stack, &mut found);
                 bvh.occluded_each(g, &queries, &mut stack, &mut blocked);
                 assert_eq!((found.len(), blocked.len()), (count, count));
@@ -234,7 +234,7 @@ fn the_tree_agrees_with_brute_force_in_every_instruction_set() {
             for isa in Isa::available() {
                 scene.set_isa(isa);
                 let (g, bvh) = (scene.geometry(), scene.bvh());
-                let mut stack = bvh.stack();
+                let mut stack = scene.stack();
                 answers.push(bvh.closest(g, &ray, f32::INFINITY, &mut stack));
                 assert_eq!(bvh.occluded(g, &ray, f32::INFINITY, &mut stack), answers[0].is_some());
                 if let Some(hit) = answers[0] {
@@ -285,7 +285,7 @@ fn leaving_a_convex_shape_never_meets_it_again() {
                 }
                 let scene = b.build();
                 let g = scene.geometry();
-                let mut stack = scene.bvh().stack();
+                let mut stack = scene.stack();
                 for _ in 0..28_000 {
                     let o = v3(DVec3::from_array(r.direction()) * 3.0);
                     let aim = v3(DVec3::from_array(r.direction()) * r.within(0.0, 0.9));
@@ -327,7 +327,7 @@ fn leaving_a_slender_shape_never_meets_it_again() {
         b.cuboid(DVec3::ZERO, DVec3::new(width, 1.0, 1.0), m).unwrap();
         let scene = b.build();
         let g = scene.geometry();
-        let mut stack = scene.bvh().stack();
+        let mut stack = scene.stack();
         for _ in 0..200_000 {
             // Onto one of the narrow faces.
             let mut across = || r.within(-0.5 * width, 0.5 * width);
@@ -381,7 +381,7 @@ fn what_is_inside_a_convex_shape_stays_inside() {
             }
             let scene = b.build();
             let g = scene.geometry();
-            let mut stack = scene.bvh().stack();
+            let mut stack = scene.stack();
             for path in 0..2000 {
                 let mut ray = Ray { o: V3::default(), d: v3(DVec3::from_array(r.direction())) };
                 for bounce in 0..100 {
@@ -411,7 +411,7 @@ fn plates_a_ten_thousandth_apart_shadow_each_other() {
     b.cuboid(DVec3::new(-1.0, -1.0, 1e-4), DVec3::new(2.0, 2.0, 0.0), m).unwrap();
     let scene = b.build();
     let g = scene.geometry();
-    let mut stack = scene.bvh().stack();
+    let mut stack = scene.stack();
     let mut r = Random::new(4);
     for _ in 0..100_000 {
         let d = V3::new(0.2 * (r.unit() - 0.5), 0.2 * (r.unit() - 0.5), 1.0);
@@ -431,7 +431,7 @@ fn odd_geometry_builds_and_answers() {
     let nowhere = Ray { o: V3::default(), d: V3::new(f32::NAN, 0.0, 1.0) };
     // Nothing at all.
     let scene = SceneBuilder::new("empty").build();
-    let mut stack = scene.bvh().stack();
+    let mut stack = scene.stack();
     let ray = Ray { o: V3::new(0.0, 0.0, -5.0), d: V3::new(0.0, 0.0, 1.0) };
     assert!(scene.bvh().closest(scene.geometry(), &ray, 1e9, &mut stack).is_none());
     // A material that is not there.
@@ -464,7 +464,7 @@ fn odd_geometry_builds_and_answers() {
     assert_eq!((scene.counts().triangles, scene.counts().duplicates), (1, 99_999));
     // NaN, infinite and null rays hit nothing.
     let g = scene.geometry();
-    let mut stack = scene.bvh().stack();
+    let mut stack = scene.stack();
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         for k in 0..3 {
             let mut v = [0.1, 0.2, 1.0];
@@ -504,7 +504,7 @@ fn needles_are_hit_and_nothing_falls_between_them() {
         let scene = scene_of(&mesh, turn);
         assert_eq!(scene.counts().triangles, 2000);
         let (g, placement) = (scene.geometry(), scene.placement());
-        let mut stack = scene.bvh().stack();
+        let mut stack = scene.stack();
         let local = |p: DVec3| v3(placement.to_local(turn.transform_point3(p)));
         let mut r = Random::new(6);
         for _ in 0..100_000 {
@@ -542,7 +542,7 @@ fn a_hundred_thousand_shapes_of_one_centre_make_a_tree() {
     // Nested boxes pair up unevenly; listed by size they once made 14,285 levels.
     assert!(scene.bvh().depth() < 400, "{} levels", scene.bvh().depth());
     let g = scene.geometry();
-    let mut stack = scene.bvh().stack();
+    let mut stack = scene.stack();
     let mut hit = |x: f32, y: f32| {
         let ray = Ray { o: V3::new(x, y, 2.0), d: V3::new(0.0, 0.0, -1.0) };
         scene.bvh().closest(g, &ray, f32::INFINITY, &mut stack)
@@ -582,7 +582,7 @@ fn rays_along_the_axes_and_in_the_sides_of_boxes_hit() {
         for isa in Isa::available() {
             scene.set_isa(isa);
             let g = scene.geometry();
-            let mut stack = scene.bvh().stack();
+            let mut stack = scene.stack();
             for i in 0..=2 * cells {
                 for j in 0..=2 * cells {
                     for (side, zero) in [(1.0, 0.0), (-1.0, 0.0), (1.0, -0.0), (-1.0, -0.0)] {

@@ -259,7 +259,7 @@ const GEOMETRY: [&str; 26] = [
 ];
 /// What they can ask of its `Bvh`, besides building and describing it: the first five are the door by
 /// which rays go in, the next two the same for many single rays.
-const BVH: [&str; 16] = [
+const BVH: [&str; 14] = [
     "closest",
     "occluded",
     "closest_packet",
@@ -271,8 +271,6 @@ const BVH: [&str; 16] = [
     "bytes",
     "coincident",
     "depth",
-    "isa",
-    "set_isa",
     "settle_coincident",
     "stack",
     "surface_id",

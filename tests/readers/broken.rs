@@ -184,7 +184,7 @@ fn thousands_of_damaged_files_neither_panic_nor_hang() {
 /// Builds what was read and sends rays through it: none may panic, and what is hit is somewhere.
 fn build_and_trace(builder: SceneBuilder, random: &mut Random) -> u32 {
     let scene = builder.build();
-    let (geometry, mut stack) = (scene.geometry(), scene.bvh().stack());
+    let (geometry, mut stack) = (scene.geometry(), scene.stack());
     let mut number = || random.below(2001) as f32 / 1000.0 - 1.0;
     let mut hits = 0;
     for _ in 0..20 {

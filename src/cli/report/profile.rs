@@ -81,7 +81,7 @@ fn measure(args: &Args, path: Option<&Path>) -> Result<(), Failure> {
         size[0],
         size[1],
         passes,
-        scene.bvh().isa().name(),
+        scene.isa().name(),
         profile.group.paths(),
         paths / profile.time.as_secs_f64() / 1e6,
     ))?;

@@ -62,7 +62,7 @@ fn measure(args: &Args, path: Option<&Path>) -> Result<(), Failure> {
         counts.triangles,
         counts.spheres,
         counts.cylinders,
-        scene.bvh().isa().name(),
+        scene.isa().name(),
         bench.repeats,
         per(tree + shapes),
         per(tree),

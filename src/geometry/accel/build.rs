@@ -15,7 +15,6 @@ use crate::geometry::coincident::{self, Coincident};
 use crate::geometry::huge_pages::HugePages;
 use crate::geometry::triangle::TrianglePack8;
 use crate::math::V3;
-use crate::math::simd::Isa;
 use rayon::prelude::*;
 
 impl Bvh {
@@ -35,7 +34,6 @@ impl Bvh {
             quads,
             analytic,
             coincident: Coincident::default(),
-            isa: Isa::detect(),
             depth: 0,
         };
         let is_outside = |i: &u32| outside.binary_search(i).is_ok();

@@ -11,7 +11,7 @@ use crate::geometry::coincident::Coincident;
 use crate::geometry::huge_pages::HugePages;
 use crate::geometry::triangle::TrianglePack8;
 use crate::math::Mask;
-use crate::math::simd::{Isa, Simd8, SimdWide};
+use crate::math::simd::{Simd8, SimdWide};
 
 /// An eight-wide tree over all primitives of a [`Geometry`](crate::geometry::Geometry).
 ///
@@ -33,7 +33,6 @@ pub struct Bvh {
     pub(super) analytic: AnalyticShapes,
     /// What lies in front where surfaces coincide.
     pub(super) coincident: Coincident,
-    pub(super) isa: Isa,
     pub(super) depth: usize,
 }
 
@@ -53,16 +52,6 @@ impl Bvh {
     pub(crate) fn surface_id(&self, primitive: u32) -> u32 {
         let quad = self.quads.quad_of(primitive);
         quad.or_else(|| self.analytic.number_of(primitive)).unwrap_or(NO_SURFACE)
-    }
-
-    /// The instruction set that rays are traced with.
-    pub fn isa(&self) -> Isa {
-        self.isa
-    }
-
-    /// Traces with another instruction set from now on. The hits are the same bits.
-    pub fn set_isa(&mut self, isa: Isa) {
-        self.isa = isa;
     }
 
     /// Levels of nodes.

@@ -134,7 +134,7 @@ impl Bvh {
     ) {
         let (outside, answers) = (true, hits);
         dispatch(
-            self.isa,
+            stack.isa,
             Each::<Nearest> { bvh: self, geometry, queries, outside, stack, answers },
         );
     }
@@ -148,7 +148,7 @@ impl Bvh {
         occluded: &mut Vec<bool>,
     ) {
         let (outside, answers) = (true, occluded);
-        dispatch(self.isa, Each::<Any> { bvh: self, geometry, queries, outside, stack, answers });
+        dispatch(stack.isa, Each::<Any> { bvh: self, geometry, queries, outside, stack, answers });
     }
 
     /// [`Bvh::closest_each`] among what the tree holds, for callers that run under an instruction

@@ -145,7 +145,7 @@ mod tests {
         fn run<W: Simd8, P: SimdWide>(self) -> Option<u32> {
             let Together(scene, bounds, p, from) = self;
             let (bvh, geometry) = (scene.bvh(), scene.geometry());
-            let (mut stack, mut leaves) = (bvh.stack(), ShaftLeaves::default());
+            let (mut stack, mut leaves) = (scene.stack(), ShaftLeaves::default());
             if !bvh.look_up::<W>(&Shaft::new(bounds, p), &mut stack, &mut leaves) {
                 return None;
             }
@@ -175,7 +175,7 @@ mod tests {
         let mut numbers = Numbers(9);
         let scene = clutter(&mut numbers);
         let (bvh, geometry) = (scene.bvh(), scene.geometry());
-        let mut stack = bvh.stack();
+        let mut stack = scene.stack();
         let (mut done, mut blocked) = ([0; 2], 0);
         for round in 0..2000 {
             let mut point = |size: f32| V3::from(numbers.point().as_vec3().to_array()) * size;

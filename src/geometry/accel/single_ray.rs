@@ -29,7 +29,7 @@ impl Bvh {
                 self.0.closest_with::<W>(self.1, self.2, self.3, self.4)
             }
         }
-        dispatch(self.isa, Closest(self, geometry, ray, t_max, stack))
+        dispatch(stack.isa, Closest(self, geometry, ray, t_max, stack))
     }
 
     /// Whether anything is hit at `0 < t <= t_max`.
@@ -42,7 +42,7 @@ impl Bvh {
                 self.0.occluded_with::<W>(self.1, self.2, self.3, self.4)
             }
         }
-        dispatch(self.isa, Occluded(self, geometry, ray, t_max, stack))
+        dispatch(stack.isa, Occluded(self, geometry, ray, t_max, stack))
     }
 }
 

@@ -6,10 +6,13 @@ use super::ray::Query;
 use super::shaft::ShaftLeaves;
 use crate::geometry::Hit;
 use crate::math::V3;
+use crate::math::simd::Isa;
 
-/// Memory for traversal. Made once a worker by [`Bvh::stack`] and used for all its rays.
+/// Memory for traversal, and the instruction set of it. Made once a worker by
+/// [`Scene::stack`](crate::scene::Scene::stack) and used for all its rays.
 #[derive(Clone, Debug)]
 pub struct Stack {
+    pub(super) isa: Isa,
     /// Subtrees of a single ray that are still to be visited.
     pub(super) subtrees: Box<[(f32, u32)]>,
     pub(super) streams: Streams,
@@ -64,9 +67,11 @@ pub(super) struct PairRays {
 }
 
 impl Bvh {
-    /// A stack deep enough for this tree.
-    pub fn stack(&self) -> Stack {
+    /// A stack deep enough for this tree. The instruction set is that of rays one at a time or many
+    /// together; packets and pairs run under the one of their callers. The hits are the same bits.
+    pub fn stack(&self, isa: Isa) -> Stack {
         Stack {
+            isa,
             subtrees: vec![(0.0, 0); 7 * self.depth() + 9].into(),
             streams: Streams::new(self.depth()),
             tree_rays: TreeRays::default(),

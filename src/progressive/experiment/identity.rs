@@ -114,7 +114,7 @@ impl Recipe {
         // What is asked for is the recipe's, what there is the scene's.
         let files: Vec<FileRecipe> = scene.source().files.iter().map(FileRecipe::from).collect();
         let fused = |isa: &str| if is_fused(isa) { "fused" } else { "portable" };
-        let isa = scene.bvh().isa().name();
+        let isa = scene.isa().name();
         let nameless = files.is_empty();
         let foreign = other_file(&files, &self.scene.files)
             .or_else(|| differ("scene", scene.name(), &self.scene.name).filter(|_| nameless))

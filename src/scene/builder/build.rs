@@ -5,6 +5,7 @@ use super::SceneBuilder;
 use crate::geometry::{Bvh, Cylinder, Face, Geometry, PrimitiveRange, Sphere, Vertex};
 use crate::limits::{TooLarge, fits};
 use crate::math::V3;
+use crate::math::simd::Isa;
 use crate::scene::doubles::{Doubles, FirstPlaces, Lost, Origin};
 use crate::scene::mesh::Mesh;
 use crate::scene::read::text::shown;
@@ -135,6 +136,7 @@ impl SceneBuilder {
             environment: self.environment,
             materials: self.materials,
             bvh,
+            isa: Isa::detect(),
             geometry,
             surfaces: lights,
             placement,

@@ -257,7 +257,7 @@ fn asked_and_met_have_one_density() {
         let scene = lamps(more, sky);
         let (geometry, bvh) = (scene.geometry(), scene.bvh());
         let lights = Lights::new(&scene, scene.materials(), false);
-        let mut stack = bvh.stack();
+        let mut stack = scene.stack();
         let (mut met, mut beyond, mut kinds) = (0, 0, [0; 3]);
         for (p, n) in places(&scene) {
             for event in [0, 1] {

@@ -191,7 +191,7 @@ pub(super) struct TraceSplitRays<'a> {
 impl TraceSplitRays<'_> {
     pub(super) fn run(self, rays: &mut u64, counts: &mut RayCounts, watch: Watch) {
         let TraceSplitRays { tracer, batch, event, stack } = self;
-        let isa = tracer.scene.bvh().isa();
+        let isa = tracer.scene.isa();
         for round in 0..EXTRA {
             let count = take(&mut batch.split_rays.counts[round]);
             if count == 0 {

@@ -215,7 +215,7 @@ impl Tracer {
         scratch: &mut Scratch,
         watch: Watch,
     ) {
-        let isa = self.scene.bvh().isa();
+        let isa = self.scene.isa();
         let Scratch { stack, batch, rays, capped, counts } = scratch;
         batch.radiance.clear();
         batch.radiance.resize(count, [0.0; 3]);

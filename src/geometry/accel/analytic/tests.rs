@@ -276,7 +276,7 @@ fn of_many_shapes_the_large_ones_are_taken() {
     assert_eq!(taken, [7, 27, 47, 67, 87]);
     assert_eq!(scene.bvh().surface_id(47), MAX_QUADS as u32 + 2);
     assert_eq!(scene.bvh().surface_id(48), NO_SURFACE);
-    let (geometry, mut stack) = (scene.geometry(), scene.bvh().stack());
+    let (geometry, mut stack) = (scene.geometry(), scene.stack());
     let mut hits = 0;
     for _ in 0..20_000 {
         let ray = Ray { o: point(&mut numbers), d: direction(&mut numbers) };

@@ -154,7 +154,7 @@ fn rays(scene: &Scene, numbers: &mut Numbers) -> Vec<Segment> {
 fn check(scene: &Scene, numbers: &mut Numbers) {
     let (bvh, geometry) = (scene.bvh(), scene.geometry());
     let rays = rays(scene, numbers);
-    let mut stack = bvh.stack();
+    let mut stack = scene.stack();
     // One ray at a time besides, as where there are no registers.
     let sets = Isa::available().into_iter().map(Some).chain([None]);
     for isa in sets {
