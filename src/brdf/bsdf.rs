@@ -137,6 +137,24 @@ impl<L: Simd> Brdf<L> {
         self.eval_by::<M, Above>(wi)
     }
 
+    /// What the specular lobe adds to f, in 1/sr, without the cosine; as [`Brdf::eval`] has it where the
+    /// diffuse lobe can be sampled too.
+    #[inline(always)]
+    pub(crate) fn specular<M: Microfacet>(&self, wi: V3<L>) -> Rgb<L> {
+        let h = wi + self.wo;
+        let weight = schlick_weight(one_minus_dot(self.wo, wi, h.length2()));
+        let above = is_above::<Above, L>(self.wo, wi);
+        let lobe = self.lobe::<M>(wi, M::d(self.params.roughness, h)).or_zero(above);
+        schlick(self.params.ks, weight) * lobe
+    }
+
+    /// D G / (4 |wi.n| |wo.n|).
+    #[inline(always)]
+    fn lobe<M: Microfacet>(&self, wi: V3<L>, d: L) -> L {
+        let g = M::g1_over_cos(self.params.roughness, wi) * self.g1;
+        (d * (g * L::splat(0.25))).or_zero(self.glossy)
+    }
+
     /// [`Brdf::eval`] by some horizon.
     #[inline(always)]
     pub(super) fn eval_by<M: Microfacet, H: Horizon>(&self, wi: V3<L>) -> Evaluation<L> {
@@ -215,8 +233,7 @@ impl<L: Simd> Brdf<L> {
         cos_over_dot: L,
         valid: L::Mask,
     ) -> Evaluation<L> {
-        let g = M::g1_over_cos(self.params.roughness, wi) * self.g1;
-        let lobe = (d * (g * L::splat(0.25))).or_zero(self.glossy);
+        let lobe = self.lobe::<M>(wi, d);
         let diffuse = self.params.kd.map(|kd| kd * L::splat(INV_PI));
         let f = diffuse + schlick(self.params.ks, weight) * lobe;
         let p = self.p_specular;

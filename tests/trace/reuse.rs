@@ -20,7 +20,7 @@ fn touching() -> Scene {
     bodies("touching", [0.1, 300.0], 1200.0)
 }
 
-/// The same with mirrors that see each other, and a floor whose lobe is too weak to share.
+/// The same with mirrors that see each other, and a floor whose lobe is weak.
 fn mirrors() -> Scene {
     bodies("mirrors", [0.03, 12.0], 5000.0)
 }

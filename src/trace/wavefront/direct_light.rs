@@ -5,9 +5,9 @@ use super::light_sums::LightSum;
 use super::vertex::{Scattering, ScatteringVertex, is_black, select};
 use crate::brdf::Microfacet;
 use crate::geometry::{SegmentSoa, Stack, offset_origin};
+use crate::math::V3;
 use crate::math::simd::{Kernel, Mask, Simd8, SimdWide, each_lane};
 use crate::math::sobol::{Slot, pair, unit};
-use crate::math::{Rgb, V3};
 use crate::trace::{Tracer, power_heuristic};
 
 /// What a reuse vertex keeps of the light sampled there.
@@ -15,9 +15,7 @@ pub(super) struct SampledLight<P: SimdWide> {
     /// Direction in the frame that its viewers agree on, with its density in 1/sr; 0 for none.
     pub(super) wi: V3<P>,
     pub(super) pdf: P,
-    /// What the path itself makes of it, wherever a lobe is not shared: BRDF times cosine, and the
-    /// density of sampling the direction from the BRDF.
-    pub(super) f_cos: Rgb<P>,
+    /// Density in 1/sr with which the path itself samples it from the BRDF.
     pub(super) bsdf_pdf: P,
 }
 
@@ -36,8 +34,7 @@ impl Tracer {
         let (bvh, geometry, lights) = (self.scene.bvh(), self.scene.geometry(), &self.lights);
         let zero = P::splat(0.0);
         let tagged_slot = vertex.slot + role.sampled_light_tag();
-        let mut kept =
-            SampledLight { wi: vertex.wo, pdf: zero, f_cos: Rgb::splat(zero), bsdf_pdf: zero };
+        let mut kept = SampledLight { wi: vertex.wo, pdf: zero, bsdf_pdf: zero };
         let count = if lights.count() > 0 { batch.light_samples(event) } else { 0 };
         for which in 0..count {
             let stream = scattering.stream.one_of(count, which);
@@ -65,7 +62,6 @@ impl Tracer {
                     kept.wi = V3::select(*bends, agreed.to_local(light.wi), wi);
                 }
                 kept.pdf = light.pdf.or_zero(traced);
-                kept.f_cos = e.f * frame.to_local(light.wi).z;
                 kept.bsdf_pdf = e.pdf;
             }
             traced = traced & (role.reuse | !is_black(reflected));

@@ -59,8 +59,8 @@ pub(super) struct MaterialTable(GatherTable<MaterialRecord, { MaterialRecord::NU
 const MIRROR_ALPHA: f32 = 0.06;
 
 /// A specular lobe is weak if its reflectance at normal incidence is at most this part of all, and it
-/// is at least this rough: then what it adds varies so little that one path's share of it is as good
-/// as what all of a group could send.
+/// is at least this rough: then directions are drawn with about the same density by all who look.
+/// With 0.35 and 0.09, which takes in the table's top, the rooms were 0.68 to 0.83 times as efficient.
 const WEAK_SHARE: f32 = 0.1;
 const WEAK_ALPHA: f32 = 0.2;
 
@@ -78,19 +78,7 @@ pub(super) struct Materials<P: Simd> {
     pub(super) emission: Rgb<P>,
     pub(super) emits: P::Mask,
     pub(super) reflects: P::Mask,
-    pub(super) weak: P::Mask,
     pub(super) mirror: P::Mask,
-}
-
-impl<P: SimdWide> Materials<P> {
-    /// The part of the BRDF that paths share: all but a weak lobe.
-    #[inline(always)]
-    pub(super) fn shared_params(&self) -> BrdfParams<P> {
-        let BrdfParams { kd, ks, roughness } = self.params;
-        let strong = !self.weak;
-        let ks = Rgb::new(ks.r.or_zero(strong), ks.g.or_zero(strong), ks.b.or_zero(strong));
-        BrdfParams { kd, ks, roughness }
-    }
 }
 
 impl MaterialTable {
@@ -128,13 +116,6 @@ impl MaterialTable {
         self.0.record(index as usize).reflection.is(Reflection::WeakLobe)
     }
 
-    /// The part of a material's BRDF that paths share: all but a weak lobe.
-    #[inline(always)]
-    pub(super) fn shared_params(&self, index: u32) -> BrdfParams {
-        let params = self.params(index);
-        if self.is_weak(index) { BrdfParams { ks: Rgb::BLACK, ..params } } else { params }
-    }
-
     #[inline(always)]
     pub(super) fn get<P: SimdWide>(&self, index: P::Bits) -> Materials<P> {
         let material = self.0.get::<P>(index);
@@ -144,7 +125,6 @@ impl MaterialTable {
             emission,
             emits: emission.max_channel().gt(P::splat(0.0)),
             reflects: !reflection.is(Reflection::Nothing),
-            weak: reflection.is(Reflection::WeakLobe),
             mirror: reflection.is(Reflection::Mirror),
         }
     }

@@ -2,7 +2,6 @@
 
 use super::PathBatch;
 use super::direct_light::SampledLight;
-use super::reuse::OwnTerms;
 use super::state::RayBatch;
 use super::vertex::{Scattering, ScatteringVertex, is_black, select};
 use crate::brdf::{LobeSample, Microfacet};
@@ -39,7 +38,7 @@ impl Tracer {
         let primary = vertex.primary();
         if batch.shares && (event == 0 || primary.any()) {
             let slots = vertex.primary_slots();
-            batch.primary.store_direction(at, slots, primary, [next.pdf, cos], scattered);
+            batch.primary.store_direction(at, slots, primary, next.pdf, scattered);
         }
         let (beta, goes) = play_roulette(vertex, scattering, beta, goes);
         let escapes = goes & beta.max_channel().gt(P::splat(THROUGHPUT_CAP));
@@ -126,11 +125,10 @@ impl PathBatch {
             cos_agreed = P::select(*bends, wi.z, cos);
             point.ns = vertex.own_ns;
         }
-        let own =
-            OwnTerms { light_dir: light.f_cos, light_pdf: light.bsdf_pdf, bsdf_dir: next.f * cos };
+        let fs = [next.f, next.f * cos];
         let what = [vertex.material, vertex.surface_id];
         let directions = [(light.wi, light.pdf), (wi, next.pdf.or_zero(goes))];
-        self.reuse.push::<P>(reuse, vertex.slot, &point, what, directions, next.f, &own);
+        self.reuse.push::<P>(reuse, vertex.slot, &point, what, directions, fs, light.bsdf_pdf);
         cos_agreed
     }
 }

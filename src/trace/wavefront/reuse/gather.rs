@@ -39,7 +39,7 @@ impl<M: Microfacet> Kernel for GatherLight<'_, M> {
                 viewers.push(Viewers::load::<M>(primary, materials, at));
             }
             let diffuse = (run.base..run.end).all(|at| {
-                let params = materials.shared_params(primary.point.material.0[at]);
+                let params = materials.params(primary.point.material.0[at]);
                 primary.there.0[at] == 0 || params.ks.is_black()
             });
             while let Some(&entry) = reuse.order.get(at) {
@@ -50,17 +50,15 @@ impl<M: Microfacet> Kernel for GatherLight<'_, M> {
                 }
                 at += 1;
                 if reuse.is_lit(slot) {
-                    let second = ReuseVertex::at(reuse, primary, materials, entry);
+                    let second = ReuseVertex::at(reuse, materials, entry);
                     // At the primary vertices one direction, at the second one two.
-                    let params = u64::from(!diffuse) + 2 * u64::from(!second.shared.ks.is_black());
-                    glossy += params * run.len() as u64;
-                    let rest =
-                        second.send::<P, M>(primary, run.base, diffuse, &mut viewers, &mut pairs);
-                    let rest = rest * Rgb::from(primary.throughput.get(slot));
-                    let own = &mut radiance[slot];
-                    for (sum, rest) in own.iter_mut().zip(<[f32; 3]>::from(rest)) {
-                        *sum += rest;
-                    }
+                    let there = match second.params.ks.is_black() {
+                        true => 0,
+                        false if second.weak => 1,
+                        false => 2,
+                    };
+                    glossy += (u64::from(!diffuse) + there) * run.len() as u64;
+                    second.send::<P, M>(primary, run.base, diffuse, &mut viewers, &mut pairs);
                 }
             }
             for (at, viewers) in (run.base..run.end).step_by(P::WIDTH).zip(&viewers) {
@@ -105,7 +103,7 @@ impl<P: SimdWide> Viewers<P> {
         Viewers {
             p: primary.point.p.load::<P>(at),
             frame,
-            brdf: material.shared_params().at_wo::<M>(wo),
+            brdf: material.params.at_wo::<M>(wo),
             sum: Rgb::splat(P::splat(0.0)),
         }
     }
@@ -155,56 +153,40 @@ struct ReuseVertex {
     p: V3,
     ng: V3,
     frame: Frame,
-    /// All of the BRDF, and the part that is shared.
     params: BrdfParams,
-    shared: BrdfParams,
-    /// Kd of the path's primary vertex if the lobe there is weak.
-    weak_first: Option<Rgb>,
+    /// Whether its specular lobe is weak.
+    weak: bool,
     light_dir: (V3, f32),
     bsdf_dir: (V3, f32),
+    /// What its own path has: BRDF of the sampled direction, the same times the cosine in the frame that
+    /// it sees, and the density with which it would have sampled the direction to the light.
     f: Rgb,
-    own: OwnPathTerms,
+    own_f_cos: Rgb,
+    own_light_pdf: f32,
     light: Rgb,
     emitted: Rgb,
     emitted_pdf: f32,
     reflected: Rgb,
 }
 
-/// What its own path makes of the two directions: BRDF times cosine, and the density of sampling
-/// the sampled one.
-struct OwnPathTerms {
-    light_dir: Rgb,
-    light_pdf: f32,
-    bsdf_dir: Rgb,
-}
-
 impl ReuseVertex {
     #[inline(always)]
-    fn at(
-        reuse: &ReuseVertices,
-        primary: &PrimaryVertices,
-        materials: &MaterialTable,
-        entry: usize,
-    ) -> ReuseVertex {
+    fn at(reuse: &ReuseVertices, materials: &MaterialTable, entry: usize) -> ReuseVertex {
         let slot = reuse.slot.0[entry] as usize;
-        let (first, second) = (primary.point.material.0[slot], reuse.point.material.0[entry]);
+        let material = reuse.point.material.0[entry];
         ReuseVertex {
             slot,
             seen: reuse.seen[entry],
             p: reuse.point.p.get(entry).into(),
             ng: reuse.point.ng.get(entry).into(),
             frame: Frame::around(V3::from(reuse.point.ns.get(entry))),
-            params: materials.params(second),
-            shared: materials.shared_params(second),
-            weak_first: materials.is_weak(first).then(|| materials.params(first).kd),
+            params: materials.params(material),
+            weak: materials.is_weak(material),
             light_dir: (reuse.light_dir.wi.get(entry).into(), reuse.light_dir.pdf.0[entry]),
             bsdf_dir: (reuse.bsdf_dir.wi.get(entry).into(), reuse.bsdf_dir.pdf.0[entry]),
             f: reuse.f.get(entry).into(),
-            own: OwnPathTerms {
-                light_dir: reuse.own_light.get(entry).into(),
-                light_pdf: reuse.own_light_pdf.0[entry],
-                bsdf_dir: reuse.own_sampled.get(entry).into(),
-            },
+            own_f_cos: reuse.own_f_cos.get(entry).into(),
+            own_light_pdf: reuse.own_light_pdf.0[entry],
             light: reuse.light[slot].into(),
             emitted: reuse.emitted[slot].into(),
             emitted_pdf: reuse.emitted_pdf[slot],
@@ -213,8 +195,7 @@ impl ReuseVertex {
     }
 
     /// Adds to the viewers what this point sends them; where all of them are `diffuse`, what is still to
-    /// be multiplied by their reflectance. Returns what its own path has besides, of lobes that are
-    /// not shared.
+    /// be multiplied by their reflectance.
     #[inline(always)]
     fn send<P: SimdWide, M: Microfacet>(
         &self,
@@ -223,101 +204,80 @@ impl ReuseVertex {
         diffuse: bool,
         viewers: &mut [Viewers<P>],
         pairs: &mut PairTerms,
-    ) -> Rgb {
+    ) {
         let group = viewers.len() * P::WIDTH;
         let own = self.slot - base;
         if diffuse {
             self.pair_terms_diffuse::<P>(viewers, pairs);
         } else {
             self.pair_terms::<P, M>(viewers, pairs);
-        }
-        // The density with which its own path found the point, by area.
-        let away = self.p - V3::from(primary.point.p.get(self.slot));
-        let inverse2 = 1.0 / away.length2();
-        let geometry = self.ng.dot(away).abs() * inverse2 * inverse2.sqrt();
-        let density = primary.pdf.0[self.slot] * geometry;
-        // Of what it sends the part that is shared has this share. Its own path knows its own numbers
-        // from having sampled them, to more digits.
-        let mut share = 1.0;
-        let mut beta = Rgb::from(primary.beta.get(self.slot));
-        if let Some(kd) = self.weak_first {
-            share = primary.diffuse_share.0[self.slot];
-            beta = kd * share;
-        }
-        if self.weak_first.is_some() || !diffuse {
-            pairs.density[own] = share * density;
-        }
-        if !diffuse {
-            for (throughput, beta) in pairs.throughput.iter_mut().zip(<[f32; 3]>::from(beta)) {
+            // The density with which its own path found the point, by area, and what it carries: its own
+            // path knows its own numbers from having sampled them, to more digits.
+            let away = self.p - V3::from(primary.point.p.get(self.slot));
+            let inverse2 = 1.0 / away.length2();
+            let geometry = self.ng.dot(away).abs() * inverse2 * inverse2.sqrt();
+            let density = primary.pdf.0[self.slot] * geometry;
+            pairs.density[own] = density;
+            let beta = primary.beta.get(self.slot);
+            for (throughput, beta) in pairs.throughput.iter_mut().zip(beta) {
                 throughput[own] = beta * density;
             }
         }
-        // A normal that is bent for some is a reason to share all that is there: the frames differ.
-        let bends = self.bends_for(viewers);
-        let mut rest = Rgb::BLACK;
-        if self.weak_first.is_some() || (self.shared.ks != self.params.ks && !bends) {
-            rest = self.rest(primary, share, bends);
-        }
         let all = sum(&pairs.density, group);
-        let per_all = share / all;
+        let per_all = 1.0 / all;
         if !(all > 0.0 && per_all > 0.0 && per_all < f32::INFINITY) {
-            return rest;
+            return;
         }
         let cosines = [self.light_dir.0.z, self.bsdf_dir.0.z];
-        if bends {
+        if self.bends_for(viewers) {
             self.evaluate_bent::<P, M>(viewers, pairs);
             // Its own path knows the BRDF to more digits.
-            self.spread(
-                viewers,
-                pairs,
-                (own, self.own.bsdf_dir),
-                diffuse,
-                [all, per_all],
-                [1.0; 2],
-            );
-            return rest;
+            self.spread(viewers, pairs, (own, self.own_f_cos), diffuse, [all, per_all], [1.0; 2]);
+        } else if self.params.ks.is_black() || self.weak {
+            self.spread_by_own_densities::<P, M>(viewers, pairs, diffuse, per_all);
+        } else {
+            self.evaluate::<P, M>(viewers, pairs);
+            self.spread(viewers, pairs, (own, self.f), diffuse, [all, per_all], cosines);
         }
-        if self.shared.ks.is_black() {
-            let lo = self.by_diffuse_lobe(self.params.kd) * per_all;
-            let lo = lo.splat_lanes::<P>();
+    }
+
+    /// [`ReuseVertex::evaluate`] and [`ReuseVertex::spread`] with the densities of its own path alone for
+    /// both directions.
+    #[inline(always)]
+    fn spread_by_own_densities<P: SimdWide, M: Microfacet>(
+        &self,
+        viewers: &mut [Viewers<P>],
+        pairs: &PairTerms,
+        diffuse: bool,
+        per_all: f32,
+    ) {
+        let ways = [self.light_dir.0, self.bsdf_dir.0];
+        let lights = [
+            self.by_light_sampling(self.own_light_pdf, ways[0].z) * per_all,
+            self.by_bsdf_sampling(self.bsdf_dir.1, ways[1].z) * per_all,
+        ];
+        let lo = (self.params.kd * (lights[0] + lights[1]) * INV_PI).splat_lanes::<P>();
+        if self.params.ks.is_black() {
             for (at, viewers) in (0..).step_by(P::WIDTH).zip(viewers) {
                 viewers.sum += pairs.throughput_at::<P>(at, diffuse) * lo;
             }
-            return rest;
+            return;
         }
-        self.evaluate::<P, M>(viewers, pairs);
-        self.spread(viewers, pairs, (own, self.f), diffuse, [all, per_all], cosines);
-        rest
-    }
-
-    /// What it sends back by its diffuse lobe, as its own path finds it.
-    #[inline(always)]
-    fn by_diffuse_lobe(&self, kd: Rgb) -> Rgb {
-        let [light_dir, bsdf_dir] = [self.light_dir.0.z, self.bsdf_dir.0.z];
-        let pdf = if self.params.ks.is_black() {
-            light_dir.max(0.0) * INV_PI
-        } else {
-            self.own.light_pdf
-        };
-        let light = self.by_light_sampling(pdf, light_dir)
-            + self.by_bsdf_sampling(self.bsdf_dir.1, bsdf_dir);
-        kd * light * INV_PI
-    }
-
-    /// What its own path has by lobes that are not shared; `share` is the part of it that is.
-    #[inline(always)]
-    fn rest(&self, primary: &PrimaryVertices, share: f32, bends: bool) -> Rgb {
-        let OwnPathTerms { light_dir, light_pdf, bsdf_dir } = self.own;
-        // The BRDFs have their cosines already.
-        let whole = light_dir * self.by_light_sampling(light_pdf, 1.0)
-            + bsdf_dir * self.by_bsdf_sampling(self.bsdf_dir.1, 1.0);
-        let weak_second = self.shared.ks != self.params.ks && !bends;
-        let shared = if weak_second { self.by_diffuse_lobe(self.params.kd) } else { whole };
-        let beta = Rgb::from(primary.beta.get(self.slot));
-        let shared_beta = self.weak_first.map_or(beta, |kd| kd * share);
-        let less = |a: f32, b: f32| (a - b).max(0.0);
-        let (a, b) = (beta * whole, shared_beta * shared);
-        Rgb::new(less(a.r, b.r), less(a.g, b.g), less(a.b, b.b))
+        let p2 = self.p.splat_lanes::<P>();
+        let frame = self.frame.splat_lanes::<P>();
+        let params = self.params.splat_lanes::<P>();
+        for (at, viewers) in (0..).step_by(P::WIDTH).zip(viewers) {
+            let back = viewers.p - p2;
+            let wo = frame.to_local(back * (P::splat(1.0) / back.length2()).sqrt());
+            let lobe = params.at_wo::<M>(wo);
+            let mut lo = lo;
+            for (wi, light) in ways.into_iter().zip(lights) {
+                if !light.is_black() {
+                    lo += lobe.specular::<M>(wi.splat_lanes()) * light.splat_lanes();
+                }
+            }
+            viewers.sum += pairs.throughput_at::<P>(at, diffuse) * lo;
+        }
     }
 
     /// Adds up what was evaluated for all pairs, `f` for its own path's. The BRDFs are still to be

@@ -17,12 +17,9 @@
 //! of its own at `x2`. What does not depend on the viewer there are both directions, the light that
 //! arrives, and the density of light sampling, whose receiver has the surface's own normal.
 //!
-//! A weak specular lobe, beside a diffuse one that is much stronger, costs as much to share as a
-//! strong one and gains nothing. So the integrand is split, `f1 f2 = d1 d2 + (f1 f2 - d1 d2)`, where
-//! `d` is the BRDF without its lobe if that is weak: the first part is shared, the second is what
-//! each path finds by itself. The paths still draw their directions from the whole BRDF, with
-//! density `p`; weighing them by that of the part which is shared, `q`, makes `q / p` of what each
-//! has found a factor of what it sends.
+//! Where a weak and rough specular lobe stands beside a diffuse one that is much stronger, `x2` draws
+//! its directions with about the same density for every viewer. There the density of its own path
+//! alone stands for that of all: what is left to evaluate for the others is the lobe's value.
 //!
 //! What a path sees in a mirror is of no use to its neighbours, so it goes through up to two of them,
 //! and the point that it comes to then is its `x1`, of whose light the camera gets what the mirrors
@@ -42,7 +39,6 @@ pub(super) use visibility::FindVisibility;
 use crate::geometry::SurfacePoint;
 use crate::math::simd::{Bits, MAX_WIDTH, Mask, SimdWide};
 use crate::math::soa::{Soa, Soa3};
-use crate::math::special::INV_PI;
 use crate::math::{Rgb, V3};
 
 /// Largest group: the pairs of one `x2` fit into a word's bits.
@@ -59,8 +55,6 @@ pub(super) struct PrimaryVertices {
     /// Of the direction that its own path took: density in 1/sr, and BRDF times cosine over that.
     pdf: Soa<f32>,
     beta: Soa3,
-    /// Density of a diffuse lobe for that direction over the density in which it was drawn.
-    diffuse_share: Soa<f32>,
     /// What the camera gets of the light that leaves towards it: 1, or less by way of mirrors.
     throughput: Soa3,
     /// How many those are.
@@ -78,11 +72,10 @@ pub(super) struct ReuseVertices {
     bsdf_dir: Directions,
     /// BRDF in 1/sr of the sampled direction as its own path sees it, in the frame of that path.
     f: Soa3,
-    /// What its own path has of both directions: BRDF times cosine, and the density with which it
-    /// would have sampled the sampled one.
-    own_light: Soa3,
+    /// The same times the cosine, and the density in 1/sr with which that path would have sampled the
+    /// direction to the light.
+    own_f_cos: Soa3,
     own_light_pdf: Soa<f32>,
-    own_sampled: Soa3,
     /// Entries in the order of their paths.
     order: Vec<u32>,
     /// Which of the group see it, by bit.
@@ -94,14 +87,6 @@ pub(super) struct ReuseVertices {
     pub(super) emitted: Vec<[f32; 3]>,
     pub(super) emitted_pdf: Vec<f32>,
     pub(super) reflected: Vec<[f32; 3]>,
-}
-
-/// What a reuse vertex's own path makes of the two directions there: BRDF times cosine, and the
-/// density in 1/sr of sampling the sampled one.
-pub(super) struct OwnTerms<P: SimdWide> {
-    pub(super) light_dir: Rgb<P>,
-    pub(super) light_pdf: P,
-    pub(super) bsdf_dir: Rgb<P>,
 }
 
 /// Surface points turned to their viewers. The shading normals of primary vertices are bent for the
@@ -196,24 +181,20 @@ impl PrimaryVertices {
         at: usize,
         slots: Option<P::Bits>,
         there: P::Mask,
-        [pdf, cos]: [P; 2],
+        pdf: P,
         beta: Rgb<P>,
     ) {
         let beta = V3::new(beta.r, beta.g, beta.b);
-        let share = cos * P::splat(INV_PI) / pdf;
         let Some(slots) = slots else {
             self.pdf.store(at, pdf);
-            self.diffuse_share.store(at, share);
             return self.beta.store(at, beta);
         };
         let places = ScatterPlaces::new::<P>(slots, there);
         places.put(&mut self.beta, beta);
-        let (mut pdfs, mut shares) = ([0.0; MAX_WIDTH], [0.0; MAX_WIDTH]);
+        let mut pdfs = [0.0; MAX_WIDTH];
         pdf.store(&mut pdfs);
-        share.store(&mut shares);
         for (lane, slot) in places.each() {
             self.pdf.0[slot] = pdfs[lane];
-            self.diffuse_share.0[slot] = shares[lane];
         }
     }
 }
@@ -273,8 +254,8 @@ impl ReuseVertices {
         point: &SurfacePoint<P>,
         what: [P::Bits; 2],
         [light_dir, bsdf_dir]: [(V3<P>, P); 2],
-        f: Rgb<P>,
-        own: &OwnTerms<P>,
+        [f, f_cos]: [Rgb<P>; 2],
+        light_pdf: P,
     ) {
         let at = self.count;
         self.slot.push::<P>(at, which, slot);
@@ -284,9 +265,8 @@ impl ReuseVertices {
         self.bsdf_dir.wi.push::<P>(at, which, bsdf_dir.0);
         self.bsdf_dir.pdf.push::<P>(at, which, bsdf_dir.1);
         self.f.push_rgb::<P>(at, which, f);
-        self.own_light.push_rgb::<P>(at, which, own.light_dir);
-        self.own_light_pdf.push::<P>(at, which, own.light_pdf);
-        self.own_sampled.push_rgb::<P>(at, which, own.bsdf_dir);
+        self.own_f_cos.push_rgb::<P>(at, which, f_cos);
+        self.own_light_pdf.push::<P>(at, which, light_pdf);
         self.count += which.bits().count_ones() as usize;
     }
 

@@ -21,15 +21,8 @@ struct Point {
     ng: V3,
     frame: Frame,
     params: BrdfParams,
-    /// Whether there is a specular lobe that is not shared.
+    /// Whether its specular lobe is weak.
     weak: bool,
-}
-
-impl Point {
-    /// What is shared of the BRDF.
-    fn shared(&self) -> BrdfParams {
-        if self.weak { BrdfParams { ks: Rgb::BLACK, ..self.params } } else { self.params }
-    }
 }
 
 impl Points {
@@ -80,63 +73,54 @@ fn naive<M: Microfacet>(
             .map(|d| (V3::from(d.wi.get(entry)), f64::from(d.pdf.0[entry])));
         let there = |i: usize| primary.there.0[i] != 0 && (i == slot || sees(i, entry));
         let towards = |i: usize| (second.p - primary.point.one(tracer, i).p).normalize();
-        // Each viewer has a frame of his own there, and where that is another one all is shared: by
-        // the very numbers of the engine, for what is at the border is one or the other.
+        // Each viewer has a frame of his own there, and where that is another one the densities are
+        // those of all: by the very numbers of the engine, for what is at the border is one or the other.
         let bends_for = |i: usize| {
             let back = primary.point.one(tracer, i).p - second.p;
             bent(second.ng, second.frame.n, back * (1.0 / back.length2()).sqrt()).1
         };
         let bends = second.frame.n != second.ng && (base..end).any(|i| there(i) && bends_for(i));
-        let shared_second = if bends { second.params } else { second.shared() };
         // BRDF times cosine and density of both directions.
-        let back = |params: BrdfParams, wi: V3| {
+        let back = |wi: V3| {
             let frame = Frame::around(bent(second.ng, second.frame.n, -wi).0);
             directions.map(|(d, _)| {
                 let d = frame.to_local(second.frame.to_world(d));
                 if d.z <= 0.0 {
                     return ([0.0; 3], 0.0);
                 }
-                let e = params.eval::<M>(frame.to_local(-wi), d);
+                let e = second.params.eval::<M>(frame.to_local(-wi), d);
                 (wide(e.f).map(|f| f * f64::from(d.z)), f64::from(e.pdf))
             })
         };
         // Of each path: density by area of finding the point, what it carries from there, and BRDF
         // and density of either direction.
-        let of = |i: usize, shared: bool| {
+        let of = |i: usize| {
             let first = primary.point.one(tracer, i);
             let wi = towards(i);
             let away = second.p - first.p;
             let geometry = f64::from(second.ng.dot(wi).abs()) / f64::from(away.length2());
             let local = first.frame.to_local(wi);
             let wo = first.frame.to_local(V3::from(primary.wo.get(i)));
-            let params = if shared { first.shared() } else { first.params };
-            let e = params.eval::<M>(wo, local);
+            let e = first.params.eval::<M>(wo, local);
             let throughput = wide(e.f).map(|f| f * f64::from(local.z) * geometry);
-            let params = if shared { shared_second } else { second.params };
-            (f64::from(e.pdf) * geometry, throughput, back(params, wi))
+            (f64::from(e.pdf) * geometry, throughput, back(wi))
         };
-        let mut all: Vec<_> = (base..end).map(|i| there(i).then(|| of(i, true))).collect();
+        let mut all: Vec<_> = (base..end).map(|i| there(i).then(|| of(i))).collect();
         // Of its own path all that was drawn is known, to more digits than can be found again.
         let first = primary.point.one(tracer, slot);
-        let mut whole = of(slot, false);
-        let geometry = whole.0 / f64::from(own_pdf::<M>(primary, slot, &first, towards(slot)));
-        whole.0 = f64::from(primary.pdf.0[slot]) * geometry;
-        whole.1 = primary.beta.get(slot).map(|beta| f64::from(beta) * whole.0);
-        let mut own = (whole.0, whole.1, all[slot - base].as_ref().expect("it sees it").2);
-        let mut share = 1.0;
-        if first.weak {
-            share = f64::from(primary.diffuse_share.0[slot]);
-            own.0 = share * whole.0;
-            own.1 = wide(first.params.kd).map(|kd| kd * own.0);
-        }
-        all[slot - base] = Some(own);
+        let own = all[slot - base].as_mut().expect("it sees it");
+        let geometry = own.0 / f64::from(own_pdf::<M>(primary, slot, &first, towards(slot)));
+        own.0 = f64::from(primary.pdf.0[slot]) * geometry;
+        own.1 = primary.beta.get(slot).map(|beta| f64::from(beta) * own.0);
+        let own: Pair = *own;
         let some = || all.iter().flatten();
-        let shared = |which: usize| some().map(|s| s.0 * s.2[which].1).sum::<f64>();
         let density: f64 = some().map(|s| s.0).sum();
-        // Where a lobe is left out, the density with which its own path draws the direction.
-        let leaves_out = second.weak && !bends;
+        // Of a weak lobe the density with which its own path draws the direction.
         let mean = |which: usize| {
-            if leaves_out { whole.2[which].1 } else { shared(which) / density }
+            if second.weak && !bends {
+                return own.2[which].1;
+            }
+            some().map(|s| s.0 * s.2[which].1).sum::<f64>() / density
         };
         let [light, emitted, reflected] = [&reuse.light, &reuse.emitted, &reuse.reflected]
             .map(|light| light[slot].map(f64::from));
@@ -157,13 +141,8 @@ fn naive<M: Microfacet>(
         for c in 0..3 {
             for (sum, one) in sums.iter_mut().zip(&all) {
                 let Some((_, throughput, back)) = one else { continue };
-                sum[c] += throughput[c] * sent(back, [mean(0), mean(1)], c) * share / density;
+                sum[c] += throughput[c] * sent(back, [mean(0), mean(1)], c) / density;
             }
-            // The rest, by its own path alone.
-            let pdf = [whole.2[0].1, whole.2[1].1];
-            let rest = |of: &Pair| of.1[c] * sent(&of.2, pdf, c) / whole.0;
-            let is_split = leaves_out || first.weak;
-            sums[slot - base][c] += if is_split { rest(&whole) - rest(&own) } else { 0.0 };
         }
     }
     for (i, sum) in (base..end).zip(&mut sums) {
