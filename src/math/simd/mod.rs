@@ -236,7 +236,7 @@ impl Isa {
     /// All of them, of each kind of processor the plainest first.
     pub const ALL: [Isa; 5] = [Isa::Portable, Isa::Avx2, Isa::Avx512, Isa::Avx512Gfni, Isa::Neon];
 
-    /// The best one this machine has; asked once per tree build, not per ray.
+    /// The best one this machine has; asked once per scene, not per ray.
     pub fn detect() -> Isa {
         let best = Isa::ALL.into_iter().rfind(|&isa| machine::has(isa));
         best.expect("every machine has the portable set")

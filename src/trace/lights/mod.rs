@@ -229,27 +229,36 @@ impl Lights {
         sample
     }
 
-    /// Density with which [`Lights::sample`] finds the direction `wi` in which `primitive` was hit
-    /// at a distance, its surface at this cosine to the direction. In 1/sr.
-    pub(super) fn pdf(
+    /// Densities with which [`Lights::sample`] finds the directions in which these primitives, one a
+    /// lane, were hit at a distance, their surfaces at this cosine to the directions. In 1/sr; 0 for a
+    /// primitive that is no light.
+    #[inline(always)]
+    pub(super) fn pdf<P: SimdWide>(
         &self,
-        to: &LightSampleContext,
-        primitive: u32,
-        distance: f32,
-        cos: f32,
-    ) -> f32 {
-        let Some(light) = self.light_of(primitive) else { return 0.0 };
-        let density = sample::pdf(&self.records.record(light), to.p, distance, cos);
-        density * self.probability(to, light)
+        to: &LightSampleContext<P>,
+        primitives: &[u32],
+        distance: P,
+        cos: P,
+    ) -> P {
+        let mut lights = [NONE; MAX_WIDTH];
+        for (light, &primitive) in lights.iter_mut().zip(primitives) {
+            *light = self.light_of(primitive).unwrap_or(NONE);
+        }
+        let lights = P::load_bits(&lights);
+        let none = P::equal_bits(lights, P::Bits::splat(NONE));
+        let lights = P::select_bits(none, P::Bits::splat(0), lights);
+        let record = self.records.get::<P>(lights);
+        let density = sample::pdf(&record, to.p, distance, cos);
+        (density * self.probability(to, lights)).or_zero(!none)
     }
 
     /// The light that a primitive is, or is part of.
-    fn light_of(&self, primitive: u32) -> Option<usize> {
+    fn light_of(&self, primitive: u32) -> Option<u32> {
         let after = self.ranges.partition_point(|r| r[0] <= primitive);
         let [first, count, base] = *self.ranges.get(after.checked_sub(1)?)?;
         let at = primitive - first;
         let light = (at < count).then(|| self.light_of[(base + at) as usize])?;
-        (light != NONE).then_some(light as usize)
+        (light != NONE).then_some(light)
     }
 
     /// Density with which [`Lights::sample`] finds a direction at this cosine to the normal that
@@ -325,23 +334,26 @@ impl Lights {
         total
     }
 
-    /// The probability with which a light other than the environment is chosen.
-    fn probability(&self, to: &LightSampleContext, light: usize) -> f32 {
-        if self.count() == 1 {
-            return 1.0;
+    /// The probabilities with which lights other than the environment are chosen.
+    #[inline(always)]
+    fn probability<P: SimdWide>(&self, to: &LightSampleContext<P>, lights: P::Bits) -> P {
+        let zero = P::splat(0.0);
+        if self.count() == 1 || self.equally {
+            return P::splat(1.0 / self.count() as f32);
         }
-        if self.equally {
-            return 1.0 / self.count() as f32;
+        let mut weights = [zero; MOST];
+        let total = self.weigh(to, &mut weights);
+        let branches = self.tree.as_ref().map_or(lights, |tree| tree.branches_of::<P>(lights));
+        let (mut weight, mut link) = (zero, P::Bits::splat(0));
+        for (branch, (&of, &to)) in (0..).zip(weights.iter().zip(&self.links)) {
+            let here = P::equal_bits(branches, P::Bits::splat(branch));
+            weight = P::select(here, of, weight);
+            link = P::select_bits(here, P::Bits::splat(to), link);
         }
-        let mut weights = [0.0; MOST];
-        let total = self.weigh::<f32>(to, &mut weights);
-        let share = |branch: usize| if total > 0.0 { weights[branch] / total } else { 0.0 };
+        let share = (weight / total).or_zero(total.gt(zero));
         match &self.tree {
-            Some(tree) => {
-                let branch = tree.branch_of(light);
-                share(branch) * tree.probability(to, self.links[branch], light)
-            }
-            None => share(light),
+            Some(tree) => share * tree.probability(to, link, lights),
+            None => share,
         }
     }
 

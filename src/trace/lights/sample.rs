@@ -205,16 +205,23 @@ pub(super) fn sample<P: SimdWide>(
 
 /// The density with which [`sample`] at `p` finds a point of a light at a distance, its surface at
 /// this cosine to the direction.
-pub(super) fn pdf(light: &LightRecord, p: V3, distance: f32, cos: f32) -> f32 {
-    if light.kind.is(LightKind::Sphere) {
+#[inline(always)]
+pub(super) fn pdf<P: SimdWide>(light: &LightRecord<P>, p: V3<P>, distance: P, cos: P) -> P {
+    let (zero, one) = (P::splat(0.0), P::splat(1.0));
+    let mut pdf = (light.one_over_area * (distance * distance / cos)).or_zero(cos.gt(zero));
+    let is_sphere = light.kind.is(LightKind::Sphere);
+    if is_sphere.any() {
         let (_, narrow, outside) = cones(light.corner, light.radius, p);
-        return warp::cone_pdf(if outside { narrow } else { 2.0 });
+        let cone = warp::cone_pdf(P::select(outside, narrow, P::splat(2.0)));
+        pdf = P::select(is_sphere, cone, pdf);
     }
-    if light.kind.is(LightKind::Rectangle) && light.is_near(p) {
+    let near = light.kind.is(LightKind::Rectangle) & light.is_near(p);
+    if near.any() {
         let LightRecord { corner, sides, ng, .. } = *light;
-        return 1.0 / SphericalRectangle::new(corner, sides, ng, p).solid_angle;
+        let filled = SphericalRectangle::new(corner, sides, ng, p).solid_angle;
+        pdf = P::select(near, one / filled, pdf);
     }
-    if cos > 0.0 { light.one_over_area * (distance * distance / cos) } else { 0.0 }
+    pdf
 }
 
 /// Axes and `1 - cos` of the cones that spheres fill as seen from `p`, and where that is outside.

@@ -6,6 +6,7 @@ use super::spherical_rectangle::SphericalRectangle;
 use super::*;
 use crate::brdf::{Alpha, BrdfParams, Roughness};
 use crate::geometry::{Ray, Sphere, SurfacePoint, offset_origin};
+use crate::math::simd::U32;
 use crate::math::{Frame, V3};
 use crate::scene::{MaterialId, Mesh, SceneBuilder};
 use glam::{DAffine3, DVec3};
@@ -129,7 +130,7 @@ fn lights_are_chosen_with_their_probabilities() {
             for event in [0, 3] {
                 let to = context(p, n, event);
                 let mut expected: Vec<f32> =
-                    (0..bounds.len()).map(|i| lights.probability(&to, i)).collect();
+                    (0..bounds.len() as u32).map(|i| lights.probability(&to, U32(i))).collect();
                 if beyond > 0 {
                     let density = warp::cosine_hemisphere_pdf(1.0);
                     expected.push(lights.environment_pdf(&to, 1.0) / density);
@@ -230,7 +231,7 @@ fn estimates_follow_what_lights_give() {
                 let (mut mean, mut a, mut b) = (0.0, 0.0, 0.0);
                 for (light, own) in powers.iter().enumerate() {
                     let gives = truth(&lights, scene.geometry(), &to, light, &brdf, wo);
-                    let probability = f64::from(lights.probability(&to, light));
+                    let probability = f64::from(lights.probability(&to, U32(light as u32)));
                     assert!(gives >= 0.0 && gives.is_finite());
                     if gives > 0.0 {
                         assert!(probability > 0.0, "{more} {i} {event}: {light} gives {gives}");
@@ -289,7 +290,7 @@ fn asked_and_met_have_one_density() {
                     // Another light may stand before the one that was asked; a grazing angle and a
                     // small distance magnify the last digit of the point.
                     let end = o + shadow.d * shadow.t_max.min(1e3);
-                    let light = lights.choose::<f32>(&to, choice).index.0 as usize;
+                    let light = lights.choose::<f32>(&to, choice).index.0;
                     if lights.light_of(hit.primitive) != Some(light) {
                         continue;
                     }
@@ -299,7 +300,7 @@ fn asked_and_met_have_one_density() {
                     if !clear || (end - surface.p).length() > 5e-6 {
                         continue;
                     }
-                    let density = lights.pdf(&to, hit.primitive, hit.t, cos);
+                    let density = lights.pdf(&to, &[hit.primitive], hit.t, cos);
                     let ratio = density / sample.pdf;
                     assert!((ratio - 1.0).abs() < 3e-3, "{more} {event} {p:?}: {ratio} {hit:?}");
                     kinds[match geometry.kind(hit.primitive) {

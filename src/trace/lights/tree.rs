@@ -10,7 +10,7 @@ use super::{ALMOST_ONE, LightChoice};
 use crate::math::V3;
 use crate::math::gather_table::GatherTable;
 use crate::math::record::{RecordField, gather_record};
-use crate::math::simd::{Bits, Mask, SimdWide, U32};
+use crate::math::simd::{Bits, MAX_WIDTH, Mask, SimdWide, U32};
 use std::f32::consts::{FRAC_PI_2, PI};
 
 /// A link with this bit names a light.
@@ -99,9 +99,18 @@ impl LightBvh {
         (LightBvh { nodes: GatherTable::new(nodes), ways }, branches)
     }
 
-    /// The branch that a light is on.
-    pub(super) fn branch_of(&self, light: usize) -> usize {
-        self.ways[light].0 as usize
+    /// The branches that lights are on.
+    #[inline(always)]
+    pub(super) fn branches_of<P: SimdWide>(&self, lights: P::Bits) -> P::Bits {
+        P::load_bits(&self.ways_to::<P>(lights).map(|(branch, _)| branch))
+    }
+
+    /// The ways to lights, by lane.
+    #[inline(always)]
+    fn ways_to<P: SimdWide>(&self, lights: P::Bits) -> [(u32, u64); MAX_WIDTH] {
+        let mut which = [0; MAX_WIDTH];
+        P::store_bits(lights, &mut which);
+        which.map(|light| self.ways[light as usize])
     }
 
     /// The light that a choice among the branches leads to, their links being in `index`.
@@ -133,19 +142,32 @@ impl LightBvh {
         choice
     }
 
-    /// The probability with which [`LightBvh::choose`] takes a light of the branch with this link.
-    pub(super) fn probability(&self, to: &LightSampleContext, mut link: u32, light: usize) -> f32 {
-        let (mut ray, mut probability) = (self.ways[light].1, 1.0);
-        while link < LEAF {
-            let node = self.nodes.record(link as usize);
+    /// The probabilities with which [`LightBvh::choose`] takes lights of the branches with these links.
+    #[inline(always)]
+    pub(super) fn probability<P: SimdWide>(
+        &self,
+        to: &LightSampleContext<P>,
+        mut link: P::Bits,
+        lights: P::Bits,
+    ) -> P {
+        let (one, leaf) = (P::splat(1.0), P::Bits::splat(LEAF));
+        let mut ways = self.ways_to::<P>(lights);
+        let mut probability = one;
+        let mut on_the_way = P::less_bits(link, leaf);
+        while on_the_way.any() {
+            let node = self.nodes.get_some::<P>(link, on_the_way.bits());
             let (share, any) = first_share(&node, to);
-            let second = ray & 1 != 0;
-            ray >>= 1;
-            probability *= if second { 1.0 - share } else { share };
-            if !any || probability <= 0.0 {
-                return 0.0;
+            let mut second = 0;
+            for (lane, (_, way)) in ways.iter_mut().enumerate() {
+                second |= ((*way & 1) as u32) << lane;
+                *way >>= 1;
             }
-            link = node.links[usize::from(second)].0;
+            let second = P::mask(second);
+            let step = P::select(second, one - share, share).or_zero(any);
+            probability = P::select(on_the_way, probability * step, probability);
+            let [a, b] = node.links;
+            link = P::select_bits(on_the_way, P::select_bits(second, b, a), link);
+            on_the_way = P::less_bits(link, leaf);
         }
         probability
     }

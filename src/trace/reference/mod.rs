@@ -111,7 +111,7 @@ impl Tracer {
             if surface.emits {
                 let weight = from.as_ref().map_or(1.0, |(from, pdf)| {
                     let cos = point.ng.dot(ray.d).abs();
-                    let other = self.lights.pdf(from, hit.primitive, hit.t, cos);
+                    let other = self.lights.pdf(from, &[hit.primitive], hit.t, cos);
                     rules.w_bsdf(strategy, *pdf, other)
                 });
                 let found = beta * surface.emission * weight;

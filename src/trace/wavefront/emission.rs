@@ -77,17 +77,15 @@ impl Tracer {
         cos: P,
     ) {
         let &Arrival { at, event, .. } = arrival;
-        let lanes = emits.bits();
         if event > 0 {
-            let (mut other, mut cosine) = ([0.0; MAX_WIDTH], [0.0; MAX_WIDTH]);
-            cos.store(&mut cosine);
-            for lane in each_lane(lanes) {
-                let from = batch.paths.from.get(at + lane, &self.lights, event - 1);
-                let (primitive, t) =
-                    (batch.hits.found.primitive.0[at + lane], batch.hits.found.t.0[at + lane]);
-                other[lane] = self.lights.pdf(&from, primitive, t, cosine[lane]);
+            let from = batch.paths.from.load::<P>(at, &self.lights, event - 1);
+            let found = &batch.hits.found;
+            let mut primitives = [u32::MAX; MAX_WIDTH];
+            for lane in each_lane(emits.bits()) {
+                primitives[lane] = found.primitive.0[at + lane];
             }
-            let other = P::load(&other) * P::splat(batch.light_samples(event - 1) as f32);
+            let other = self.lights.pdf(&from, &primitives, found.t.load::<P>(at), cos)
+                * P::splat(batch.light_samples(event - 1) as f32);
             batch.keep_emitted::<P>(at, (emits & arrival.role.after).bits(), light, other);
             light = light * power_heuristic(batch.paths.pdf.load::<P>(at), other);
         }

@@ -49,13 +49,4 @@ impl LightSampleContexts {
         }
         LightSampleContext::from_numbers(&numbers, event == 0)
     }
-
-    /// One that left at `event`.
-    pub(super) fn get(&self, at: usize, lights: &Lights, event: u32) -> LightSampleContext {
-        let mut numbers = [0.0; LightSampleContext::<f32>::NUMBERS];
-        for (x, column) in numbers.iter_mut().zip(&self.0).take(needed(lights, event)) {
-            *x = column.0[at];
-        }
-        LightSampleContext::from_numbers(&numbers, event == 0)
-    }
 }
