@@ -59,12 +59,14 @@ impl Mean {
     pub fn standard_error(&self) -> f64 {
         (self.squares / (self.n as f64 - 1.0) / self.n as f64).sqrt()
     }
-    /// Distance to `expected` in standard errors.
+    /// Distance to `expected` in standard errors, as rare as so many of a normal variable: a standard error
+    /// from few samples is itself uncertain (Student's t to a normal one, Wallace 1959).
     pub fn sigmas(&self, expected: f64) -> f64 {
         let se = self.standard_error();
         let d = (self.mean - expected).abs();
         if se > 0.0 {
-            d / se
+            let (n, t) = (self.n as f64 - 1.0, d / se);
+            (n * (t * t / n).ln_1p()).sqrt() * (8.0 * n + 1.0) / (8.0 * n + 3.0)
         } else if d <= 1e-6 * expected.abs() {
             0.0
         } else {

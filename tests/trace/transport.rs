@@ -73,7 +73,7 @@ fn furnaces_of_every_shape_scale_and_place() {
                     None => 1.0 / (1.0 - rho),
                     Some(d) => (0..=d).map(|k| rho.powi(k as i32)).sum(),
                 };
-                assert_mean(&case, mean_of(&params, 64, 6), expected, 4e-3);
+                assert_mean(&case, mean_of(&params, 64, 12), expected, 4e-3);
             }
         }
     }
