@@ -27,6 +27,9 @@ const FIRST_PASS: u64 = 1 << 40;
 /// the Cornell box from 16 to 256 passes.
 const STRATIFIED: f64 = 4.0;
 
+/// Against one over the size of a group, about what its paths have in common.
+const COMMON: f64 = 1.0 / 64.0;
+
 /// What is traced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Trial {
@@ -51,10 +54,14 @@ pub(super) struct TrialResult {
     samples: Vec<Vec<Rgb>>,
 }
 
+/// The sizes of groups that share.
+fn sizes() -> impl Iterator<Item = ReuseGroup> {
+    ReuseGroup::ALL.into_iter().skip(1)
+}
+
 /// What there is to do.
 pub(super) fn tasks() -> Vec<TrialTask> {
-    let sizes = || ReuseGroup::ALL.into_iter().skip(1).map(Trial::Shared);
-    let trials = || [Trial::Apart, Trial::Own].into_iter().chain(sizes());
+    let trials = || [Trial::Apart, Trial::Own].into_iter().chain(sizes().map(Trial::Shared));
     (0..PARTS).flat_map(|which| trials().map(move |trial| TrialTask { which, trial })).collect()
 }
 
@@ -154,6 +161,9 @@ pub(super) fn choose(mut found: Vec<TrialResult>, primitives: usize, uniform: bo
     let spread = |which, trial| {
         of(which, trial).map(|f| spread(&f.samples, &means[f.task.which])).sum::<f64>()
     };
+    let shared: Vec<[f64; 2]> = (0..PARTS)
+        .map(|which| line(sizes().map(|group| spread(which, Trial::Shared(group)))))
+        .collect();
     // Of one part, the work of a sample and the variance that it leaves.
     let costs = |which: usize, group: ReuseGroup| {
         let own = spread(which, Trial::Own);
@@ -164,7 +174,9 @@ pub(super) fn choose(mut found: Vec<TrialResult>, primitives: usize, uniform: bo
             }
             _ => {
                 let trial = Trial::Shared(group);
-                (work(which, trial), spread(which, trial) + own / STRATIFIED)
+                let [a, b] = shared[which];
+                let variance = a + b / f64::from(group.paths());
+                (work(which, trial), variance + own / STRATIFIED)
             }
         }
     };
@@ -180,6 +192,29 @@ pub(super) fn choose(mut found: Vec<TrialResult>, primitives: usize, uniform: bo
     let prices = ReuseGroup::ALL.map(price);
     let least = (0..prices.len()).min_by(|&a, &b| prices[a].total_cmp(&prices[b]));
     least.map_or(ReuseGroup::None, |i| ReuseGroup::ALL[i])
+}
+
+/// `a` and `b`, neither below 0, of the law `a + b / size` for these variances of the [`sizes`]: `b` is of
+/// what the paths of a group draw apart from each other, `a` of what all of them have in common. Four
+/// samples tell a variance to half of it, and which size is best by little more than chance; of the sizes
+/// together they tell more.
+fn line(variances: impl Iterator<Item = f64>) -> [f64; 2] {
+    let mut sums = [0.0; 5];
+    for (group, variance) in sizes().zip(variances) {
+        let x = 1.0 / f64::from(group.paths());
+        // The error of a variance is in proportion to it.
+        let weight = (x + COMMON).powi(-2);
+        let terms = [1.0, x, x * x, variance, x * variance];
+        sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += weight * term);
+    }
+    let [n, x, xx, y, xy] = sums;
+    let b = (n * xy - x * y) / (n * xx - x * x);
+    let a = (y - b * x) / n;
+    match (a < 0.0, b < 0.0) {
+        (true, _) => [0.0, xy / xx],
+        (_, true) => [y / n, 0.0],
+        _ => [a, b],
+    }
 }
 
 /// The mean of each pixel over the times; what was traced at one time adds up.
@@ -214,4 +249,43 @@ fn spread(samples: &[Vec<Rgb>], means: &[[f64; 3]]) -> f64 {
         }
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at([a, b]: [f64; 2]) -> impl Iterator<Item = f64> {
+        sizes().map(move |group| a + b / f64::from(group.paths()))
+    }
+
+    #[test]
+    fn a_law_is_found_from_what_obeys_it() {
+        for law in [[3.0, 70.0], [0.0, 5.0], [2.0, 0.0], [1e-9, 1e-9]] {
+            for (found, part) in line(at(law)).into_iter().zip(law) {
+                assert!((found - part).abs() <= 1e-9 * (law[0] + law[1]), "{found} {law:?}");
+            }
+        }
+        assert_eq!(line(at([0.0; 2])), [0.0; 2]);
+    }
+
+    /// What falls faster than by one over the size, or grows, has nearest laws at the borders: no
+    /// other law with neither part below 0 is nearer, by the weights.
+    #[test]
+    fn neither_part_is_below_zero() {
+        let weight = |x: f64| (x + COMMON).powi(-2);
+        for variances in [[8.0, 3.0, 1.0, 0.1], [1.0, 2.0, 3.0, 4.0], [5.0, 1.0, 7.0, 2.0]] {
+            let off = |law: [f64; 2]| -> f64 {
+                let each = sizes().zip(at(law)).zip(variances);
+                each.map(|((g, y), v)| weight(1.0 / f64::from(g.paths())) * (y - v).powi(2)).sum()
+            };
+            let found = line(variances.into_iter());
+            assert!(found.iter().all(|&part| part >= 0.0), "{found:?}");
+            let least = off(found);
+            for [da, db] in [[0.01, 0.0], [-0.01, 0.0], [0.0, 0.1], [0.0, -0.1], [0.01, -0.5]] {
+                let [a, b] = [found[0] + da, found[1] + db];
+                assert!(a < 0.0 || b < 0.0 || off([a, b]) >= least, "{variances:?} {found:?}");
+            }
+        }
+    }
 }
