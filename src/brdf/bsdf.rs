@@ -138,14 +138,16 @@ impl<L: Simd> Brdf<L> {
     }
 
     /// What the specular lobe adds to f, in 1/sr, without the cosine; as [`Brdf::eval`] has it where the
-    /// diffuse lobe can be sampled too.
+    /// diffuse lobe can be sampled too. Nothing where `wo` is not a number.
     #[inline(always)]
     pub(crate) fn specular<M: Microfacet>(&self, wi: V3<L>) -> Rgb<L> {
         let h = wi + self.wo;
         let weight = schlick_weight(one_minus_dot(self.wo, wi, h.length2()));
+        let lobe =
+            schlick(self.params.ks, weight) * self.lobe::<M>(wi, M::d(self.params.roughness, h));
+        // Whatever a direction that is none has given is no light.
         let above = is_above::<Above, L>(self.wo, wi);
-        let lobe = self.lobe::<M>(wi, M::d(self.params.roughness, h)).or_zero(above);
-        schlick(self.params.ks, weight) * lobe
+        lobe.map(|c| c.or_zero(above))
     }
 
     /// D G / (4 |wi.n| |wo.n|).
@@ -316,4 +318,43 @@ fn is_above<H: Horizon, L: Simd>(wo: V3<L>, wi: V3<L>) -> L::Mask {
 fn one_minus_dot<L: Simd>(wo: V3<L>, wi: V3<L>, h2: L) -> L {
     let d = (h2.sqrt() * L::splat(0.5)).min(L::splat(1.0));
     (wi - wo).length2() / (L::splat(4.0) * (L::splat(1.0) + d))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brdf::{Beckmann, Ggx, Phong, Roughness};
+    use crate::math::warp::cosine_hemisphere;
+
+    /// The lobe alone is what the whole has besides the diffuse one, and no light comes of directions
+    /// below the surface or of none.
+    fn lobe_is_the_rest<M: Microfacet>() {
+        let number = |i: u32, by: f32| (i as f32 * by).fract();
+        for i in 0..4000 {
+            let kd = Rgb::new(number(i, 0.31), number(i, 0.57), number(i, 0.83)) + Rgb::splat(0.01);
+            let ks = Rgb::new(number(i, 0.77), number(i, 0.13), number(i, 0.91)) * 0.1;
+            let alpha = 0.2 + 0.8 * f64::from(number(i, 0.618_034));
+            let roughness = Alpha::from(Roughness::from_alpha(alpha).unwrap());
+            let params = BrdfParams { kd, ks, roughness };
+            let direction = |a: f32, b: f32| cosine_hemisphere([number(i, a), number(i, b)]);
+            let (wo, wi) = (direction(0.414_2, 0.732_05), direction(0.236_07, 0.645_75));
+            let seen = params.at_wo::<M>(wo);
+            let (f, lobe) = (seen.eval::<M>(wi).f, seen.specular::<M>(wi));
+            let pairs = [(f.r, kd.r, lobe.r), (f.g, kd.g, lobe.g), (f.b, kd.b, lobe.b)];
+            for (f, kd, lobe) in pairs {
+                assert!((f - (kd * INV_PI + lobe)).abs() <= 1e-6 * f, "{wo:?} {wi:?} {f} {lobe}");
+            }
+            let none = V3::new(f32::NAN, f32::NAN, f32::NAN);
+            let below = V3::new(wi.x, wi.y, -wi.z);
+            assert!(seen.specular::<M>(below).is_black());
+            assert!(params.at_wo::<M>(none).specular::<M>(wi).is_black());
+        }
+    }
+
+    #[test]
+    fn the_lobe_is_what_there_is_besides_the_diffuse_one() {
+        lobe_is_the_rest::<Phong>();
+        lobe_is_the_rest::<Beckmann>();
+        lobe_is_the_rest::<Ggx>();
+    }
 }
