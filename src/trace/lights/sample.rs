@@ -157,13 +157,18 @@ pub(super) fn sample<P: SimdWide>(
             let glossy = SphericalRectangle::new(corner, sides, ng, to.p);
             p = V3::select(near, to.p + glossy.sample(u, towards), p);
             pdf = P::select(near, one / glossy.solid_angle, pdf);
+            let along = p - corner;
+            s = P::select(near, along.dot(a) / a.length2(), s);
+            t = P::select(near, along.dot(b) / b.length2(), t);
         }
         // A point that rounding has put past an edge may lie behind the neighbouring face. A step of
-        // the error's size towards the middle brings it back.
+        // the error's size towards the middle brings it back. Points elsewhere stay: to one who is
+        // hardly farther away than that, all of them moved inwards would be another light.
         let inwards = corner + (a + b) * middle - p;
         let reach = inwards.abs().max_component();
         let step = error + error;
-        p = V3::select(reach.gt(step), p + inwards * (step / reach), p);
+        let at_edge = from_edge(light, [s, t], triangle).lt(step) & reach.gt(step);
+        p = V3::select(at_edge, p + inwards * (step / reach), p);
         let mut target = SurfacePoint { p, ng, ns: ng, error: V3::splat(error) };
         let cylinder = light.kind.is(LightKind::Cylinder);
         if cylinder.any() {
@@ -201,6 +206,19 @@ pub(super) fn sample<P: SimdWide>(
         sample.pdf = P::select(is_environment, pdf, sample.pdf);
     }
     sample
+}
+
+/// How far a point at these parts of both sides lies from the nearest edge of a flat light, or, at a
+/// triangle's third one, at least half of that; below 0 outside.
+#[inline(always)]
+fn from_edge<P: SimdWide>(light: &LightRecord<P>, [s, t]: [P; 2], triangle: P::Mask) -> P {
+    let one = P::splat(1.0);
+    let [a, b] = light.sides.map(|side| side.length());
+    let parallelogram = P::select(triangle, P::splat(2.0), one) / light.one_over_area;
+    let [across_a, across_b] = [parallelogram / a, parallelogram / b];
+    let third = (one - s - t) * (parallelogram / (a + b));
+    let opposite = ((one - s) * across_b).min((one - t) * across_a);
+    (s * across_b).min(t * across_a).min(P::select(triangle, third, opposite))
 }
 
 /// The density with which [`sample`] at `p` finds a point of a light at a distance, its surface at

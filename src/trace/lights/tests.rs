@@ -317,6 +317,71 @@ fn asked_and_met_have_one_density() {
     }
 }
 
+/// What flat lights of any size send to points close before them, their places and turns drawn at random,
+/// is what the sum over their edges says in double precision (Lambert 1760): also where the distance
+/// is not many rounding errors of the light's points.
+#[test]
+fn flat_lights_close_by_send_their_form_factor() {
+    let v = DVec3::new;
+    let mut drawn = numbers(4000).skip(64).flatten().map(f64::from);
+    let mut next = || drawn.next().unwrap();
+    let (mut worst, mut of_kinds) = (0.0f64, [0; 2]);
+    for round in 0..40 {
+        let triangle = round % 2 == 1;
+        // A rectangle is sampled by its solid angle, however near; a triangle by its area.
+        let size = if triangle { 10f64.powf(-3.0 * next()) } else { 1.0 };
+        let height = if triangle { size * (0.5 + next()) } else { 10f64.powf(-1.0 - 3.0 * next()) };
+        let angles = [next(), next(), next()].map(|x| 7.0 * x);
+        let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, angles[0], angles[1], angles[2]);
+        let (a, c) = (turn * v(size, 0.0, 0.0), turn * v(0.0, size * (0.3 + next()), 0.0));
+        let corner = v(next(), next(), next()) - 0.5 * (a + c);
+        let mut b = SceneBuilder::new("close by");
+        let (light, dark) = (
+            lamp(&mut b, 1.0),
+            b.material(Material::reflecting("dark", [0.0; 3], [0.0; 3], 1.0).unwrap()),
+        );
+        b.cuboid(v(-2.0, -2.0, -2.0), DVec3::splat(0.1), dark).unwrap();
+        b.cuboid(v(2.0, 2.0, 2.0), DVec3::splat(0.1), dark).unwrap();
+        let positions = vec![corner, corner + a, corner + c, corner + a + c];
+        let faces = if triangle { vec![[0, 1, 2]] } else { vec![[0, 1, 2], [3, 2, 1]] };
+        b.mesh(&Mesh { positions, triangles: faces, ..Mesh::default() }, DAffine3::IDENTITY, light)
+            .unwrap();
+        let scene = b.build();
+        let lights = Lights::new(&scene, scene.materials(), false);
+        assert_eq!(lights.count(), 1);
+        // The corners as they are after rounding.
+        let local = |p: DVec3| wide(narrow(scene.placement().to_local(p)));
+        let mut corners = vec![local(corner), local(corner + a), local(corner + c)];
+        if !triangle {
+            corners.insert(2, local(corner + a + c));
+        }
+        let normal = turn * DVec3::Z;
+        let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
+        let p = narrow(middle - normal * height * scene.placement().scale());
+        let to = context(p, narrow(normal), 1);
+        let n = wide(to.frame.n).normalize();
+        let rim: Vec<DVec3> = corners.iter().map(|&q| (q - wide(p)).normalize()).collect();
+        let edge = |i: usize| {
+            let (q, r) = (rim[i], rim[(i + 1) % rim.len()]);
+            q.angle_between(r) * q.cross(r).normalize().dot(n)
+        };
+        let truth = ((0..rim.len()).map(edge).sum::<f64>() / 2.0).abs();
+        let (mut sum, count) = (0.0, 40_000);
+        for u in numbers(count).skip(64) {
+            let geometry = (scene.bvh(), scene.geometry());
+            let sample = lights.sample::<f32>(geometry.0, geometry.1, &to, u[2], [u[0], u[1]]);
+            if sample.found {
+                sum += f64::from(sample.wi.dot(to.frame.n).max(0.0) / sample.pdf);
+            }
+        }
+        let off = sum / f64::from(count - 1) / truth - 1.0;
+        worst = worst.max(off.abs());
+        of_kinds[usize::from(triangle)] += 1;
+        assert!(off.abs() < 1e-3, "{round}: size {size}, height {height}: {off:e}");
+    }
+    assert!(worst > 0.0 && of_kinds == [20, 20]);
+}
+
 /// Rectangles near, far, almost edge on, from before a corner, an edge and the middle: the solid
 /// angle is that of two triangles in double precision, all directions are within it, and equal
 /// parts of it get equal numbers of them.
