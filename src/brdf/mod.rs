@@ -22,6 +22,7 @@ mod roughness;
 pub use beckmann::Beckmann;
 pub use bsdf::{Brdf, BrdfParams, Evaluation, LobeSample, Terms};
 pub use errata::{Erratum, Formulas};
+pub(crate) use fresnel::{schlick, schlick_weight};
 pub use full_ndf::{FullNdf, Invertible, Normals};
 pub use ggx::Ggx;
 pub use phong::Phong;

@@ -7,6 +7,7 @@
 //! register holds: with the same random numbers, by other orders of the same sums.
 
 mod by_model;
+mod highlights;
 mod lights;
 mod pixel_groups;
 mod reference;
@@ -17,6 +18,7 @@ use crate::brdf::{BrdfParams, Erratum, Model, Normals};
 use crate::geometry::Stack;
 use crate::math::{Rgb, Simd};
 use crate::scene::{Camera, CameraRays, Material, Scene};
+use highlights::Highlights;
 use lights::Lights;
 pub use pixel_groups::{Contribution, PixelBatch, PixelGrouping, ReuseGroup, group_cell};
 pub use reference::{Escape, PathRecord, PathVertex};
@@ -147,6 +149,7 @@ pub struct Tracer {
     scene: Arc<Scene>,
     surfaces: Vec<Surface>,
     lights: Lights,
+    highlights: Highlights,
     tables: Tables,
     camera: CameraRays,
     seed: u64,
@@ -267,9 +270,11 @@ impl Tracer {
     ) -> Tracer {
         let surfaces = materials.iter().map(Surface::new).collect();
         let equally = method.erratum == Some(Erratum::FirstAndLastLight);
+        let lights = Lights::new(&scene, materials, equally);
         Tracer {
             surfaces,
-            lights: Lights::new(&scene, materials, equally),
+            highlights: Highlights::new(&scene, materials, &lights),
+            lights,
             tables: Tables::new(materials),
             camera: CameraRays::new(camera, scene.placement(), size),
             seed,

@@ -178,6 +178,23 @@ impl<L: Simd> LightBounds<L> {
     }
 }
 
+/// A light, or several, from far away.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::trace) struct LightDisc {
+    pub(in crate::trace) centre: V3,
+    /// Of a disc as large as it is seen.
+    pub(in crate::trace) radius: f32,
+    /// The disc's area times the luminance, in units of the brightest light's.
+    pub(in crate::trace) intensity: f32,
+}
+
+impl LightBounds {
+    pub(super) fn disc(&self) -> LightDisc {
+        let radius = (self.area * INV_PI).sqrt();
+        LightDisc { centre: self.centre, radius, intensity: self.area * self.luminance }
+    }
+}
+
 /// [`LightBounds::estimate`] of a uniform environment.
 #[inline(always)]
 pub(super) fn environment<L: Simd>(luminance: f32, to: &LightSampleContext<L>) -> L {

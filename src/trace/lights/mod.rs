@@ -16,7 +16,7 @@ mod spherical_rectangle;
 mod tests;
 mod tree;
 
-pub(super) use importance::LightSampleContext;
+pub(super) use importance::{LightDisc, LightSampleContext};
 pub(super) use sample::{LightSample, SHADOW_END};
 
 use crate::geometry::{Aabb, Bvh, Geometry, Kind, NO_SURFACE, PacketSlabs};
@@ -176,6 +176,15 @@ impl Lights {
     /// The boxes of emitters, where they are so few that each has its own.
     pub(super) fn emitter_boxes(&self) -> &[Aabb] {
         if self.tree.is_none() { &self.aabbs } else { &[] }
+    }
+
+    /// The strongest lights or branches of the tree, at most so many, and the irradiance of the
+    /// environment in their units.
+    pub(super) fn discs(&self, most: usize) -> (Vec<LightDisc>, f32) {
+        let mut discs: Vec<LightDisc> = self.branches.iter().map(LightBounds::disc).collect();
+        discs.sort_by(|a, b| b.intensity.total_cmp(&a.intensity));
+        discs.truncate(most);
+        (discs, PI * self.sky)
     }
 
     /// Whether emitters are all that shines.

@@ -4,18 +4,23 @@ use super::PathBatch;
 use super::direct_light::SampledLight;
 use super::state::RayBatch;
 use super::vertex::{Scattering, ScatteringVertex, is_black, select};
-use crate::brdf::{LobeSample, Microfacet};
+use crate::brdf::{Brdf, LobeSample, Microfacet};
 use crate::geometry::offset_origin;
 use crate::math::simd::{Mask, SimdWide};
 use crate::math::sobol::{Slot, pair, unit};
 use crate::math::{Rgb, V3};
+use crate::trace::highlights::{self, Image};
 use crate::trace::roulette::{self, survival};
 use crate::trace::{THROUGHPUT_CAP, Tracer};
+
+/// The largest number below 1.
+const ALMOST_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
 impl Tracer {
     /// Draws the directions in which the paths leave their points; the light that their rays hit counts
     /// `1 / split`. Paths that go on are put at the members of the batch from `going` on; returns their number.
     #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
     pub(super) fn scatter<P: SimdWide, M: Microfacet>(
         &self,
         batch: &mut PathBatch,
@@ -24,21 +29,32 @@ impl Tracer {
         light: &SampledLight<P>,
         split: P,
         going: usize,
+        images: &mut Vec<Image<P>>,
     ) -> usize {
         let &ScatteringVertex { at, event, go, ref point, ref role, surface_id, slot, .. } = vertex;
         let Scattering { brdf, stream, context, .. } = scattering;
         let u = pair::<P>(stream, Slot::direction(event));
-        let next = brdf.sample::<M>(unit::<P>(scattering.lobe_choice), u);
-        let d = vertex.frame.to_world(next.wi);
+        let primary = vertex.primary();
+        let mut chance = P::splat(0.0);
+        images.clear();
+        if batch.shares {
+            chance = self.highlights.seen_from(point.p, point.ns, primary, images);
+        }
+        let lobe_choice = unit::<P>(scattering.lobe_choice);
+        let (next, d, pdf) = if images.is_empty() {
+            let next = brdf.sample::<M>(lobe_choice, u);
+            (next, vertex.frame.to_world(next.wi), next.pdf)
+        } else {
+            aim::<P, M>(vertex, brdf, (images, chance), lobe_choice, u)
+        };
         let cos = next.wi.z;
-        let scattered = next.f * (cos / next.pdf);
+        let scattered = next.f * (cos / pdf);
         let leaves = next.pdf.gt(P::splat(0.0)) & point.ng.dot(d).gt(P::splat(0.0));
         let beta = select(role.reuse, scattered, vertex.beta * scattered);
         let goes = go & leaves & !is_black(beta);
-        let primary = vertex.primary();
         if batch.shares && (event == 0 || primary.any()) {
             let slots = vertex.primary_slots();
-            batch.primary.store_direction(at, slots, primary, next.pdf, scattered);
+            batch.primary.store_direction(at, slots, primary, pdf, scattered);
         }
         let (beta, goes) = play_roulette(vertex, scattering, beta, goes);
         let escapes = goes & beta.max_channel().gt(P::splat(THROUGHPUT_CAP));
@@ -67,6 +83,31 @@ impl Tracer {
         };
         batch.paths.push::<P>(going, goes, &ray, &self.lights, event)
     }
+}
+
+/// Draws directions from the BRDF or around highlights. Returns them in both frames, with the density of the BRDF,
+/// which light sampling is weighed against, and that of both together.
+#[inline(always)]
+fn aim<P: SimdWide, M: Microfacet>(
+    vertex: &ScatteringVertex<P>,
+    brdf: &Brdf<P>,
+    (images, chance): (&[Image<P>], P),
+    choice: P,
+    u: [P; 2],
+) -> (LobeSample<P>, V3<P>, P) {
+    let (zero, one) = (P::splat(0.0), P::splat(1.0));
+    let aims = choice.lt(chance);
+    let rest = (choice - chance) / (one - chance);
+    let mut next = brdf.sample::<M>(rest.max(zero).min(P::splat(ALMOST_ONE)), u);
+    let mut d = vertex.frame.to_world(next.wi);
+    if aims.any() {
+        d = V3::select(aims, highlights::sample(images, choice, u), d);
+        next.wi = V3::select(aims, vertex.frame.to_local(d), next.wi);
+        let e = brdf.eval::<M>(next.wi);
+        next.f = select(aims, e.f, next.f);
+        next.pdf = P::select(aims, e.pdf, next.pdf);
+    }
+    (next, d, (one - chance) * next.pdf + highlights::pdf(images, d))
 }
 
 /// Ends some of the paths that go on, and makes up for them in the throughputs of the others. Behind a

@@ -25,7 +25,7 @@ impl<M: Microfacet> Kernel for ShadeHits<'_, M> {
     #[inline(always)]
     fn run<W: Simd8, P: SimdWide>(self) -> usize {
         let ShadeHits { tracer, batch, count, event, .. } = self;
-        let mut going = 0;
+        let (mut going, mut images) = (0, Vec::new());
         batch.shadows.count = 0;
         for at in (0..count).step_by(P::WIDTH) {
             let arrival = Arrival::<P>::load(batch, &tracer.tables, at, count, event);
@@ -39,7 +39,15 @@ impl<M: Microfacet> Kernel for ShadeHits<'_, M> {
             let scattering = tracer.scattering::<P, M>(batch, &vertex);
             let split = tracer.split_at_points::<P, M>(batch, &vertex, &scattering);
             let light = tracer.sample_lights::<P, M>(batch, &vertex, &scattering);
-            going += tracer.scatter::<P, M>(batch, &vertex, &scattering, &light, split, going);
+            going += tracer.scatter::<P, M>(
+                batch,
+                &vertex,
+                &scattering,
+                &light,
+                split,
+                going,
+                &mut images,
+            );
         }
         going
     }

@@ -6,11 +6,13 @@ use super::super::vertex::is_black;
 use super::{LARGEST, PrimaryVertices, ReuseVertices, Runs};
 use crate::brdf::{Brdf, BrdfParams, Microfacet};
 use crate::geometry::bent;
-use crate::math::simd::{Kernel, MAX_WIDTH, Mask, Simd8, SimdWide};
+use crate::math::simd::{Bits, Kernel, MAX_WIDTH, Mask, Simd8, SimdWide};
 use crate::math::special::INV_PI;
 use crate::math::{Frame, Rgb, V3};
 use crate::trace::Tracer;
+use crate::trace::highlights::{self, Image};
 use std::marker::PhantomData;
+use std::ops::Range;
 
 /// Adds to each path what the reuse vertices of its group send its way.
 pub(in super::super) struct GatherLight<'a, M> {
@@ -28,15 +30,17 @@ impl<M: Microfacet> Kernel for GatherLight<'_, M> {
         let materials = &self.tracer.tables.materials;
         let mut viewers: Vec<Viewers<P>> = Vec::with_capacity(LARGEST / P::WIDTH);
         let mut pairs = PairTerms::default();
+        let mut images = Vec::new();
         let mut run = Runs::new(ends);
         let (mut at, mut glossy) = (0, 0);
         while let Some(&first) = reuse.order.get(at) {
             run.reach(reuse.slot.0[first as usize] as usize);
             viewers.clear();
+            images.clear();
             // As many as can be summed up in the same order by any width.
             let places = run.base..run.base + run.len().next_multiple_of(MAX_WIDTH);
             for at in places.step_by(P::WIDTH) {
-                viewers.push(Viewers::load::<M>(primary, materials, at));
+                viewers.push(Viewers::load::<M>(self.tracer, primary, at, &mut images));
             }
             let diffuse = (run.base..run.end).all(|at| {
                 let params = materials.params(primary.point.material.0[at]);
@@ -58,7 +62,13 @@ impl<M: Microfacet> Kernel for GatherLight<'_, M> {
                         false => 2,
                     };
                     glossy += (u64::from(!diffuse) + there) * run.len() as u64;
-                    second.send::<P, M>(primary, run.base, diffuse, &mut viewers, &mut pairs);
+                    second.send::<P, M>(
+                        primary,
+                        run.base,
+                        diffuse,
+                        (&mut viewers, &images),
+                        &mut pairs,
+                    );
                 }
             }
             for (at, viewers) in (run.base..run.end).step_by(P::WIDTH).zip(&viewers) {
@@ -87,22 +97,32 @@ struct Viewers<P: SimdWide> {
     p: V3<P>,
     frame: Frame<P>,
     brdf: Brdf<P>,
+    /// What their own paths aim at besides.
+    images: Range<usize>,
+    chance: P,
     sum: Rgb<P>,
 }
 
 impl<P: SimdWide> Viewers<P> {
     #[inline(always)]
     fn load<M: Microfacet>(
+        tracer: &Tracer,
         primary: &PrimaryVertices,
-        materials: &MaterialTable,
         at: usize,
+        images: &mut Vec<Image<P>>,
     ) -> Viewers<P> {
         let frame = Frame::around(primary.point.ns.load::<P>(at));
-        let material = materials.get::<P>(primary.point.material.load::<P>(at));
+        let material = tracer.tables.materials.get::<P>(primary.point.material.load::<P>(at));
         let wo = frame.to_local(primary.wo.load::<P>(at));
+        let p = primary.point.p.load::<P>(at);
+        let there = !P::equal_bits(primary.there.load::<P>(at), P::Bits::splat(0));
+        let start = images.len();
+        let chance = tracer.highlights.seen_from(p, frame.n, there, images);
         Viewers {
-            p: primary.point.p.load::<P>(at),
+            p,
             frame,
+            images: start..images.len(),
+            chance,
             brdf: material.params.at_wo::<M>(wo),
             sum: Rgb::splat(P::splat(0.0)),
         }
@@ -119,7 +139,8 @@ struct PairTerms {
     geometry: PairRow,
     /// Density of finding it, by area; then its share.
     density: PairRow,
-    /// BRDF and cosine at the primary vertex times the geometry; then over all densities.
+    /// BRDF and cosine at the primary vertex times the geometry; where all are diffuse the first alone, over
+    /// the reflectance.
     throughput: [PairRow; 3],
     /// At the reuse vertex: BRDF in 1/sr and density in 1/sr of the direction to the sampled light and of that sampled from the BRDF.
     f: [[PairRow; 3]; 2],
@@ -202,15 +223,15 @@ impl ReuseVertex {
         primary: &PrimaryVertices,
         base: usize,
         diffuse: bool,
-        viewers: &mut [Viewers<P>],
+        (viewers, images): (&mut [Viewers<P>], &[Image<P>]),
         pairs: &mut PairTerms,
     ) {
         let group = viewers.len() * P::WIDTH;
         let own = self.slot - base;
         if diffuse {
-            self.pair_terms_diffuse::<P>(viewers, pairs);
+            self.pair_terms_diffuse::<P>(viewers, images, pairs);
         } else {
-            self.pair_terms::<P, M>(viewers, pairs);
+            self.pair_terms::<P, M>(viewers, images, pairs);
             // The density with which its own path found the point, by area, and what it carries: its own
             // path knows its own numbers from having sampled them, to more digits.
             let away = self.p - V3::from(primary.point.p.get(self.slot));
@@ -355,6 +376,7 @@ impl ReuseVertex {
     fn pair_terms<P: SimdWide, M: Microfacet>(
         &self,
         viewers: &[Viewers<P>],
+        images: &[Image<P>],
         pairs: &mut PairTerms,
     ) {
         let (p2, ng2) = (self.p.splat_lanes::<P>(), self.ng.splat_lanes::<P>());
@@ -367,10 +389,15 @@ impl ReuseVertex {
             let local = viewers.frame.to_local(wi);
             let e = viewers.brdf.eval::<M>(local);
             let f = e.f * (local.z * geometry);
+            let mut pdf = e.pdf;
+            if !viewers.images.is_empty() {
+                let aimed = highlights::pdf(&images[viewers.images.clone()], wi);
+                pdf = (P::splat(1.0) - viewers.chance) * pdf + aimed;
+            }
             geometry.store(&mut pairs.geometry[at..]);
             // Where nothing is carried the path would have ended.
             let seen = seen & !is_black(e.f);
-            (e.pdf * geometry).or_zero(seen).store(&mut pairs.density[at..]);
+            (pdf * geometry).or_zero(seen).store(&mut pairs.density[at..]);
             for (f, row) in [f.r, f.g, f.b].into_iter().zip(&mut pairs.throughput) {
                 f.or_zero(seen).store(&mut row[at..]);
             }
@@ -380,15 +407,31 @@ impl ReuseVertex {
     /// [`ReuseVertex::pair_terms`] where all primary vertices are diffuse: BRDF and cosine over the reflectance
     /// are the density.
     #[inline(always)]
-    fn pair_terms_diffuse<P: SimdWide>(&self, viewers: &[Viewers<P>], pairs: &mut PairTerms) {
+    fn pair_terms_diffuse<P: SimdWide>(
+        &self,
+        viewers: &[Viewers<P>],
+        images: &[Image<P>],
+        pairs: &mut PairTerms,
+    ) {
         let (p2, ng2) = (self.p.splat_lanes::<P>(), self.ng.splat_lanes::<P>());
         for (at, viewers) in (0..).step_by(P::WIDTH).zip(viewers) {
             let seen = P::mask((self.seen >> at) as u32);
             let away = p2 - viewers.p;
             let inverse2 = P::splat(1.0) / away.length2();
             let cosines = viewers.frame.n.dot(away) * ng2.dot(away).abs() * inverse2;
-            let density = cosines * P::splat(INV_PI) * inverse2;
-            density.or_zero(seen).store(&mut pairs.density[at..]);
+            let density = (cosines * P::splat(INV_PI) * inverse2).or_zero(seen);
+            density.store(&mut pairs.throughput[0][at..]);
+            let mut density = density;
+            if !viewers.images.is_empty() {
+                let inverse = inverse2.sqrt();
+                let geometry = ng2.dot(away).abs() * inverse2 * inverse;
+                let aimed = highlights::pdf(&images[viewers.images.clone()], away * inverse);
+                // Below the surface nothing is carried.
+                let carries = seen & density.gt(P::splat(0.0));
+                let aimed = (aimed * geometry).or_zero(carries);
+                density = (P::splat(1.0) - viewers.chance) * density + aimed;
+            }
+            density.store(&mut pairs.density[at..]);
         }
     }
 
@@ -474,10 +517,10 @@ impl ReuseVertex {
 impl PairTerms {
     #[inline(always)]
     fn throughput_at<P: SimdWide>(&self, at: usize, diffuse: bool) -> Rgb<P> {
-        if diffuse {
-            return Rgb::splat(P::load(&self.density[at..]));
-        }
         let [r, g, b] = &self.throughput;
+        if diffuse {
+            return Rgb::splat(P::load(&r[at..]));
+        }
         Rgb::new(P::load(&r[at..]), P::load(&g[at..]), P::load(&b[at..]))
     }
 

@@ -26,6 +26,9 @@
 //! leave. Where the number of scattering events is limited, only paths that have gone through as many
 //! mirrors share: the light of the others has come by longer paths or by shorter ones.
 //!
+//! Some of the directions that leave `x1` aim at [highlights](crate::trace::highlights). The density of a
+//! direction is that of both ways to draw it, wherever another path might have.
+//!
 //! Light that `x1` emits, that it finds by light sampling, and that `x2` emits stays with its own path.
 
 mod gather;

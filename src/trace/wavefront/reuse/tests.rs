@@ -8,6 +8,7 @@ use crate::math::simd::Isa;
 use crate::math::{Frame, Rgb, V3};
 use crate::progressive::Params;
 use crate::scene::builtin::Example;
+use crate::trace::highlights;
 use crate::trace::lights::SHADOW_END;
 use crate::trace::{
     BatchOptions, Contribution, PixelBatch, PixelGrouping, ReuseGroup, Scratch, Tracer,
@@ -103,13 +104,15 @@ fn naive<M: Microfacet>(
             let wo = first.frame.to_local(V3::from(primary.wo.get(i)));
             let e = first.params.eval::<M>(wo, local);
             let throughput = wide(e.f).map(|f| f * f64::from(local.z) * geometry);
-            (f64::from(e.pdf) * geometry, throughput, back(wi))
+            let pdf = first_pdf::<M>(tracer, primary, i, &first, wi);
+            (f64::from(pdf) * geometry, throughput, back(wi))
         };
         let mut all: Vec<_> = (base..end).map(|i| there(i).then(|| of(i))).collect();
         // Of its own path all that was drawn is known, to more digits than can be found again.
         let first = primary.point.one(tracer, slot);
         let own = all[slot - base].as_mut().expect("it sees it");
-        let geometry = own.0 / f64::from(own_pdf::<M>(primary, slot, &first, towards(slot)));
+        let pdf = first_pdf::<M>(tracer, primary, slot, &first, towards(slot));
+        let geometry = own.0 / f64::from(pdf);
         own.0 = f64::from(primary.pdf.0[slot]) * geometry;
         own.1 = primary.beta.get(slot).map(|beta| f64::from(beta) * own.0);
         let own: Pair = *own;
@@ -153,10 +156,22 @@ fn naive<M: Microfacet>(
     sums
 }
 
-/// Density in 1/sr with which a path's primary vertex finds a direction.
-fn own_pdf<M: Microfacet>(primary: &PrimaryVertices, slot: usize, first: &Point, wi: V3) -> f32 {
+/// Density in 1/sr with which a path's primary vertex finds a direction that it carries anything from.
+fn first_pdf<M: Microfacet>(
+    tracer: &Tracer,
+    primary: &PrimaryVertices,
+    slot: usize,
+    first: &Point,
+    wi: V3,
+) -> f32 {
     let wo = first.frame.to_local(V3::from(primary.wo.get(slot)));
-    first.params.eval::<M>(wo, first.frame.to_local(wi)).pdf
+    let e = first.params.eval::<M>(wo, first.frame.to_local(wi));
+    let mut images = Vec::new();
+    let chance = tracer.highlights.seen_from(first.p, first.frame.n, true, &mut images);
+    match e.f.is_black() {
+        true => 0.0,
+        false => (1.0 - chance) * e.pdf + highlights::pdf(&images, wi),
+    }
 }
 
 /// A batch after a pass by the engine, with what its paths received by sharing.
@@ -171,6 +186,8 @@ fn every_group_gets_what_the_formula_says() {
         ("cornell", Model::Ggx, false),
         ("plates", Model::Phong, false),
         ("shell", Model::Ggx, false),
+        ("default", Model::Ggx, false),
+        ("gallery", Model::Phong, false),
         ("shell", Model::Ggx, true),
         ("cornell", Model::Phong, true),
     ] {
@@ -188,20 +205,23 @@ fn every_group_gets_what_the_formula_says() {
                 }
             }
             let tracer = params.tracer();
-            match model {
+            let aiming = match model {
                 Model::Ggx => compare::<Ggx>(&tracer, size),
                 _ => compare::<Phong>(&tracer, size),
-            }
+            };
+            let polished = ["default", "gallery"].contains(&name);
+            assert!(!polished || aiming > 100, "{name}: {aiming} aim at highlights");
             drop((params, tracer));
             scene = Arc::into_inner(shared).expect("nobody else holds it");
         }
     }
 }
 
-fn compare<M: Microfacet>(tracer: &Tracer, size: [u32; 2]) {
+/// Returns how many of the primary vertices aim at highlights.
+fn compare<M: Microfacet>(tracer: &Tracer, size: [u32; 2]) -> usize {
     let mut scratch = tracer.scratch();
     let mut visibility = tracer.scratch();
-    let (mut lit, mut pairs) = (0, 0);
+    let (mut lit, mut pairs, mut aiming) = (0, 0, 0);
     for group in ReuseGroup::ALL.into_iter().skip(1) {
         let grouping = PixelGrouping::new(size, 9, 3, group);
         let mut pixel_batch =
@@ -233,6 +253,12 @@ fn compare<M: Microfacet>(tracer: &Tracer, size: [u32; 2]) {
                     pairs += 1;
                 }
             }
+            for i in (base..end).filter(|&i| primary.there.0[i] != 0) {
+                let first = primary.point.one(tracer, i);
+                let (p, n) = (first.p, first.frame.n);
+                let chance = tracer.highlights.seen_from(p, n, true, &mut Vec::new());
+                aiming += usize::from(chance > 0.0);
+            }
             let sees = |i: usize, entry: usize| reuse.seen[entry] >> (i - base) & 1 != 0;
             let truth = naive::<M>(tracer, primary, reuse, [base, end], &sees);
             for (i, truth) in (base..end).zip(truth) {
@@ -247,4 +273,5 @@ fn compare<M: Microfacet>(tracer: &Tracer, size: [u32; 2]) {
         }
     }
     assert!(lit > 1000 && pairs > 10_000, "{lit} {pairs}");
+    aiming
 }
