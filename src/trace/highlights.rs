@@ -41,12 +41,12 @@ pub(super) struct Highlights {
     lights: Vec<LightDisc>,
     /// The irradiance that the surroundings give, in the units of the lights.
     sky: f32,
-    pairs: Vec<Pair>,
+    pairs: Vec<MirroredLight>,
 }
 
 /// A ball and a light that it mirrors.
 #[derive(Clone, Copy, Debug)]
-struct Pair {
+struct MirroredLight {
     centre: V3,
     radius: f32,
     ks: f32,
@@ -70,7 +70,7 @@ pub(super) struct Image<P: Simd> {
 impl Highlights {
     pub(super) fn new(scene: &Scene, materials: &[Material], lights: &Lights) -> Highlights {
         let (discs, sky) = lights.discs(MOST);
-        let mut pairs: Vec<(f32, Pair)> = Vec::with_capacity(MOST + 1);
+        let mut pairs: Vec<(f32, MirroredLight)> = Vec::with_capacity(MOST + 1);
         let geometry = scene.geometry();
         let first = geometry.faces().len();
         for (i, sphere) in geometry.spheres.iter().enumerate() {
@@ -88,7 +88,7 @@ impl Highlights {
                 let weakest = pairs.last().filter(|_| pairs.len() == MOST).map_or(0.0, |p| p.0);
                 // One around the light mirrors it all around.
                 if strength > weakest && strength.is_finite() && away2 > (1.1 * radius).powi(2) {
-                    let pair = Pair { centre: sphere.centre, radius, ks, blur, light };
+                    let pair = MirroredLight { centre: sphere.centre, radius, ks, blur, light };
                     let at = pairs.partition_point(|p| p.0 >= strength);
                     pairs.insert(at, (strength, pair));
                     pairs.truncate(MOST);
@@ -142,8 +142,8 @@ impl Highlights {
     }
 }
 
-impl Pair {
-    /// Where the chance of [`Pair::image`] may not be 0.
+impl MirroredLight {
+    /// Where the chance of [`MirroredLight::image`] may not be 0.
     #[inline(always)]
     fn may_matter<P: SimdWide>(&self, p: V3<P>, n: V3<P>, direct: P) -> P::Mask {
         let radius = P::splat(self.radius);

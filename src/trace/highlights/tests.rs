@@ -36,7 +36,7 @@ fn wide(v: V3) -> DVec3 {
 
 /// A ball, a light and a point that faces the ball.
 struct Case {
-    pair: Pair,
+    pair: MirroredLight,
     p: V3,
     n: V3,
 }
@@ -53,7 +53,7 @@ fn case(numbers: &mut Numbers) -> Case {
         radius: (radius * numbers.between(0.1, 2.0)) as f32,
         intensity: numbers.between(0.1, 1.0) as f32,
     };
-    let pair = Pair {
+    let pair = MirroredLight {
         centre: narrow(centre),
         radius: radius as f32,
         ks: numbers.between(0.3, 1.0) as f32,
@@ -65,7 +65,7 @@ fn case(numbers: &mut Numbers) -> Case {
 }
 
 impl Case {
-    fn image(&self, pair: &Pair) -> Image<f32> {
+    fn image(&self, pair: &MirroredLight) -> Image<f32> {
         pair.image(self.p, self.n, 1e-3, true)
     }
 
