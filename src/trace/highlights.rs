@@ -201,7 +201,7 @@ impl MirroredLight {
 fn mirroring_normal<P: SimdWide>(a: V3<P>, b: V3<P>, radius: P) -> V3<P> {
     let one = P::splat(1.0);
     let (far_a, far_b) = (a.length(), b.length());
-    let start = a * ((far_b - radius) * far_a.recip()) + b * ((far_a - radius) * far_b.recip());
+    let start = a * ((far_b - radius) / far_a) + b * ((far_a - radius) / far_b);
     let mut normal = start.normalize();
     for _ in 0..STEPS {
         let (w1, w2) = (a - normal * radius, b - normal * radius);
