@@ -196,12 +196,13 @@ impl Shared {
         due && !self.stopped.load(Ordering::Acquire)
     }
 
-    /// Waits until there is something to do for a driver that is so far. `idle` is called with the
+    /// Waits until there is something to do for a driver that is so far and keeps at most `keep` bytes. `idle` is called with the
     /// reason when the picture that is shown is at rest; `there` tells the passes that there are of
     /// other parameters, if more can be kept of these.
     pub(super) fn wait(
         &self,
         at: Progress,
+        keep: u64,
         mut idle: impl FnMut(State),
         there: impl Fn(&Params) -> Option<u64>,
     ) -> Work {
@@ -223,6 +224,8 @@ impl Shared {
                 return Work::StartBeside(turn(Role::Beside), params);
             } else if self.is_wished() {
                 return Work::Keep;
+            } else if self.keep() != keep {
+                return Work::Resize;
             }
             let shown = (!at.failed && !paused && at.passes < limit).then_some(at.passes);
             let other = at.beside_passes.filter(|&passes| !paused && passes < limit);
@@ -257,6 +260,8 @@ fn yield_at(passes: u64) -> u64 {
 /// A driver's next piece of work.
 pub(super) enum Work {
     Stop,
+    /// Keeps more or fewer bytes than before.
+    Resize,
     /// Does what was wished with the experiment that is shown.
     Keep,
     /// Shows a picture of other parameters, or of the same ones anew; whether what was shown is to be

@@ -75,10 +75,12 @@ impl Driver {
     /// Until the handle is dropped.
     pub(super) fn drive(mut self) {
         loop {
-            self.cache.set_limit(self.workers.shared.keep());
+            let keep = self.workers.shared.keep();
+            self.cache.set_limit(keep);
             self.workers.shared.set_kept(self.cache.size());
-            match self.next() {
+            match self.next(keep) {
                 Work::Stop => return,
+                Work::Resize => {}
                 Work::Keep => self.keep(),
                 Work::Start(turn, params, discard) => self.start(turn, *params, discard),
                 Work::StartBeside(turn, params) => self.start_beside(turn, params.map(|p| *p)),
@@ -103,7 +105,7 @@ impl Driver {
     }
 
     /// What to do now, and tells that nothing is if so.
-    fn next(&mut self) -> Work {
+    fn next(&mut self, keep: u64) -> Work {
         let Driver { workers, shown, beside, cache, at, reported, useless, .. } = self;
         let idle = |state: State| {
             let news = Some((*at, state.clone()));
@@ -122,7 +124,7 @@ impl Driver {
             let out = known(shown) || known(beside) || useless.contains(params);
             (!out && cache.has_room_for(params)).then(|| cache.passes(params))
         };
-        workers.shared.wait(*at, idle, there)
+        workers.shared.wait(*at, keep, idle, there)
     }
 
     /// Shows a picture of these parameters: of what there is of them.

@@ -172,6 +172,25 @@ fn memory_stays_within_its_bound_over_a_thousand_switches() {
 }
 
 #[test]
+fn memory_is_given_back_while_there_is_nothing_else_to_do() {
+    let variants = variants();
+    let session =
+        Session::with_options(variants[0].clone(), LIMIT, options(1 << 30), || {}).unwrap();
+    wait_for(&session, session.epoch(), |s| s.state == State::Done);
+    let epoch = session.set(variants[1].clone()).unwrap();
+    wait_for(&session, epoch, |s| s.state == State::Done);
+    assert_eq!(session.kept().pictures, 1);
+    // Whoever is done waits by now, or is about to.
+    std::thread::sleep(Duration::from_millis(50));
+    session.set_keep(0);
+    let start = Instant::now();
+    while session.kept().pictures > 0 {
+        assert!(start.elapsed() < PATIENCE, "memory that is given back");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+#[test]
 fn others_are_refined_while_there_is_nothing_else_to_do() {
     let variants = variants();
     let session =
