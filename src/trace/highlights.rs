@@ -25,7 +25,7 @@ const MOST: usize = 4;
 /// Balls that are as rough as this throw light so widely that it is found without help.
 const SHARP: f32 = 0.15;
 /// How many times its share of the light an image is aimed at while that is small, and the largest chance of
-/// all together. With 1 and 1 the built-in scene had 1.3 times the error.
+/// all together. With 2 and 1, and none below 0.01, the built-in scene had 1.17 times the error.
 const EAGER: f32 = 10.0;
 const LARGEST: f32 = 0.2;
 /// Images that would be aimed at by less than this are left to chance.

@@ -30,7 +30,7 @@ use std::f32::consts::PI;
 use tree::LightBvh;
 
 /// The largest number below 1.
-const ALMOST_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
+pub(super) const ALMOST_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 /// Most lights that are weighed one by one.
 const FEW: usize = 16;
 /// All lights that may contribute have this share of the choice between them whatever is estimated:

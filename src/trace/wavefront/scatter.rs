@@ -10,11 +10,9 @@ use crate::math::simd::{Mask, SimdWide};
 use crate::math::sobol::{Slot, pair, unit};
 use crate::math::{Rgb, V3};
 use crate::trace::highlights::{self, Image};
+use crate::trace::lights::ALMOST_ONE;
 use crate::trace::roulette::{self, survival};
 use crate::trace::{THROUGHPUT_CAP, Tracer};
-
-/// The largest number below 1.
-const ALMOST_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
 impl Tracer {
     /// Draws the directions in which the paths leave their points; the light that their rays hit counts
